@@ -1,0 +1,53 @@
+//! The kinds of primitive solid.
+
+/// What a primitive node stands for: a unit solid of the papers, in its own frame.
+///
+/// Its parameters, all numbers, are the results of the node's code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PrimitiveKind {
+    /// The ball of radius 1 about the origin. No parameters.
+    Sphere,
+    /// Radius 1 about z, from z = 0 to 1. No parameters.
+    Cylinder,
+    /// A frustum about z from z = 0 to 1. Parameters: radius at 0, radius at 1.
+    Cone,
+    /// The cube from -1 to 1. No parameters.
+    Box,
+    /// Vertices (1,1,1), (-1,-1,1), (1,-1,-1), (-1,1,-1). No parameters.
+    Tetrahedron,
+    /// Round z, radii 1 and r. Parameter: r.
+    Torus,
+    /// Corners (0,0,0), (1,0,0), (0,1,0): a surface without an inside. No parameters.
+    Triangle,
+    /// Where n·p <= d. Parameters: n.x, n.y, n.z, d; n of any length but 0.
+    HalfSpace,
+    /// Half axes a, b, c. Parameters: a, b, c.
+    Ellipsoid,
+    /// One sheet of two, top at the origin (G84): z <= c - c sqrt(1 + x²/a² + y²/b²). Parameters: a, b, c.
+    Hyperboloid,
+    /// z <= -x²/a² - y²/b². Parameters: a, b.
+    Paraboloid,
+    /// G84's equation 1, inside where
+    /// q1 x² + q2 y² + q3 z² + q4 xy + q5 yz + q6 xz + q7 x + q8 y + q9 z + q0 <= 0.
+    /// Parameters: q1 .. q9, q0.
+    Quadric,
+}
+
+impl PrimitiveKind {
+    /// Whether it has an inside; only such solids can be cut.
+    pub fn is_solid(self) -> bool {
+        !matches!(self, Self::Triangle)
+    }
+
+    /// How many parameters it has.
+    pub fn params(self) -> usize {
+        match self {
+            Self::Sphere | Self::Cylinder | Self::Box | Self::Tetrahedron | Self::Triangle => 0,
+            Self::Torus => 1,
+            Self::Cone | Self::Paraboloid => 2,
+            Self::Ellipsoid | Self::Hyperboloid => 3,
+            Self::HalfSpace => 4,
+            Self::Quadric => 10,
+        }
+    }
+}

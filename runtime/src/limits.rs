@@ -1,0 +1,40 @@
+//! How far things may grow. Everything that a program can make grow has a limit here, with a name in [`Limit`](crate::Limit).
+
+/// The limits of a run. No program can raise them; the command line can.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Modules and systems inside one another, on one ray.
+    pub depth: u32,
+    /// Functions inside one another.
+    pub calls: u32,
+    /// Operations of one evaluation: of an argument list, a guard, a C-node.
+    pub operations: u64,
+    /// Copies of one `repeat`.
+    pub repeat: u32,
+    /// Elements of one list.
+    pub list: u32,
+    /// Parts of one state: primitives, copies, modules up to the next ones.
+    pub items: u32,
+    /// Boxes and primitives that one ray may meet.
+    pub steps: u64,
+    /// Intervals on one ray.
+    pub intervals: u32,
+    /// Bytes for cells that are kept. It affects the time, never the picture.
+    pub cell_bytes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            depth: 10_000,
+            calls: 128,
+            operations: 10_000_000,
+            repeat: 1_000_000,
+            list: 1_000_000,
+            items: 1_000_000,
+            steps: 100_000_000,
+            intervals: 4096,
+            cell_bytes: 256 << 20,
+        }
+    }
+}

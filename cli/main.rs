@@ -1,1 +1,41 @@
-fn main(){}
+//! The command line of treegen: it reads files, prints and ends with an exit code; everything else is in the libraries.
+
+// A program has no other users than itself: what its parts share is not public to anybody.
+#![allow(unreachable_pub)]
+
+mod arguments;
+mod check;
+mod compile;
+mod console;
+mod exit;
+mod files;
+mod output;
+mod progress;
+mod render;
+mod stats;
+mod supervise;
+
+use std::process::ExitCode;
+
+use crate::arguments::Command;
+use crate::console::Console;
+use crate::exit::Exit;
+
+fn main() -> ExitCode {
+    let cli = match arguments::parse() {
+        Ok(cli) => cli,
+        Err(exit) => return exit.into(),
+    };
+    let console = Console::from(&cli);
+    let result = match cli.command {
+        Some(Command::Check(check)) => check::check(check, console),
+        None => render::render(cli.render, console),
+    };
+    match result {
+        Ok(()) => Exit::Done.into(),
+        Err(failure) => {
+            console.fail(&failure);
+            failure.exit.into()
+        }
+    }
+}

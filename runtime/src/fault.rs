@@ -157,4 +157,18 @@ impl Fault {
     pub fn new(kind: FaultKind, origin: Origin) -> Self {
         Self { kind, origin, trail: Vec::new() }
     }
+
+    /// The same fault, met through one more rule on the outside.
+    ///
+    /// Of a long trail the innermost steps and the outermost are kept.
+    #[must_use]
+    pub fn reached_through(mut self, step: TrailStep) -> Self {
+        /// How many steps from each end are kept.
+        const KEPT: usize = 16;
+        if self.trail.len() >= 2 * KEPT {
+            self.trail.remove(KEPT - 1);
+        }
+        self.trail.insert(0, step);
+        self
+    }
 }

@@ -8,6 +8,7 @@ pub mod fault;
 pub mod form;
 pub mod geometry;
 mod limits;
+pub mod picture;
 pub mod trace;
 
 pub use fault::{Fault, FaultKind, Limit, TrailStep};

@@ -232,3 +232,36 @@ impl Op {
         }
     }
 }
+
+impl Builtin {
+    /// Its name in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tan => "tan",
+            Self::Asin => "asin",
+            Self::Acos => "acos",
+            Self::Atan => "atan",
+            Self::Atan2 => "atan2",
+            Self::Sqrt => "sqrt",
+            Self::Exp => "exp",
+            Self::Ln => "ln",
+            Self::Abs => "abs",
+            Self::Floor => "floor",
+            Self::Ceil => "ceil",
+            Self::Round => "round",
+            Self::Min => "min",
+            Self::Max => "max",
+            Self::Clamp => "clamp",
+            Self::Mix => "mix",
+            Self::Dot => "dot",
+            Self::Cross => "cross",
+            Self::Norm => "norm",
+            Self::Unit => "unit",
+            Self::Count => "count",
+            Self::Rand => "rand",
+            Self::Noise => "noise",
+        }
+    }
+}

@@ -3,6 +3,14 @@
 //! There are two tracers of one shape. [`reference`] walks the graph by the book (GT95, section 3): slow, short, obviously right.
 //! The other is fast and goes through states and cells. Whoever shades cannot tell which one filled a [`Sample`].
 
+mod expand;
+mod liveness;
+pub mod reference;
+mod route;
+
+pub use expand::{Entry, Expander, Group, Item, Solid, State};
+pub use route::Route;
+
 use smallvec::SmallVec;
 
 use crate::fault::Fault;

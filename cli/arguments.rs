@@ -1,0 +1,299 @@
+//! The command line: what it takes, and the help that is written for people.
+
+use std::path::{Path, PathBuf};
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum, error::ErrorKind};
+use treegen_compiler::Setting;
+use treegen_runtime::picture::Rect;
+use treegen_runtime::trace::cells::Culling as CullingMode;
+
+use crate::console::{self, Color, Console, shown_text};
+use crate::exit::Exit;
+
+/// More threads than any machine it is made for has; each takes 256 MiB of address space.
+const MAX_THREADS: i64 = 256;
+
+const MAX_SAMPLES: i64 = 4096;
+
+const EXAMPLES: &str = "\
+Examples:
+  treegen sierpinski.tg                              a picture: sierpinski.png in this folder
+  treegen sierpinski.tg -o big.png --size 1920x1080  another name, another size
+  treegen sierpinski.tg --set Sierpinski.order=12    another value for a parameter
+  treegen sierpinski.tg -o layers.exr                depth, normals, materials: for compositing
+  treegen - -o - < sierpinski.tg | display           from a pipe into a pipe
+  treegen check sierpinski.tg                        only look for mistakes
+
+Exit codes:
+  0  done: the picture is written whole
+  1  the program is wrong
+  2  the command line is wrong
+  3  a limit was met
+  4  a file could not be read or written
+  130  interrupted";
+
+/// Renders programs of treegen, a language for natural forms
+#[derive(Debug, Parser)]
+#[command(name = "treegen", version, after_help = EXAMPLES, max_term_width = 110, arg_required_else_help = true)]
+#[command(subcommand_negates_reqs = true, disable_help_subcommand = true, override_usage = USAGE)]
+pub struct Cli {
+    /// Something else than a picture
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// What to render, and how.
+    #[command(flatten)]
+    pub render: Render,
+    /// Say nothing but errors
+    #[arg(short, long, global = true, help_heading = "Messages")]
+    pub quiet: bool,
+    /// When messages are coloured
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = "Messages")]
+    pub color: Color,
+}
+
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE";
+
+/// What can be done besides rendering.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Look for mistakes without rendering
+    Check(Check),
+}
+
+/// `treegen check FILE`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// The program; `-` reads it from standard input
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// What its parameters are.
+    #[command(flatten)]
+    pub program: Program,
+}
+
+/// `treegen FILE`.
+#[derive(Debug, Args)]
+pub struct Render {
+    /// The program; `-` reads it from standard input
+    #[arg(value_name = "FILE", required = true)]
+    file: Option<PathBuf>,
+    /// Where the picture goes: a .png, an .exr with layers (colour, alpha, depth, normal, position, material), or `-` for a PNG on
+    /// standard output [default: FILE's name with .png in the current folder; standard output for `-`]
+    #[arg(short, long, value_name = "OUT", help_heading = "Picture")]
+    output: Option<PathBuf>,
+    /// Width and height in pixels, instead of the program's
+    #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
+    pub size: Option<(u32, u32)>,
+    /// Only this part of the picture, in pixels from its top left corner
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, help_heading = "Picture")]
+    pub crop: Option<Rect>,
+    /// Rays a pixel to begin with; 1 is one ray through its centre, more makes edges smooth
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES), help_heading = "Picture")]
+    pub samples: Option<u32>,
+    /// What the program's parameters are.
+    #[command(flatten)]
+    pub program: Program,
+    /// How many threads work [default: as many as there are processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), help_heading = "Work")]
+    pub threads: Option<u32>,
+    /// Memory for what is kept between rays, in MB; it changes the time, never the picture
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 24), default_value_t = 256)]
+    #[arg(help_heading = "Work")]
+    pub cell_memory: u64,
+    /// What is passed over unseen; it changes the time, never the picture
+    #[arg(long, value_name = "MODE", default_value = "state", help_heading = "Work")]
+    pub culling: Culling,
+    /// Trace by the book, slowly: what everything else is measured by
+    #[arg(long, help_heading = "Work", conflicts_with_all = ["culling", "cell_memory"])]
+    pub reference: bool,
+    /// Write the numbers of the run (rays, seconds, memory) as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Work")]
+    pub stats: Option<PathBuf>,
+    /// Pixels a side of what one thread does at once; it changes nothing but the time
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), hide = true)]
+    pub tile: Option<u32>,
+}
+
+/// What decides the meaning of a program, besides its text.
+#[derive(Clone, Debug, Args)]
+pub struct Program {
+    /// A value for a parameter: `--set height=12`, `--set Elm.order=5`, `--set trees.Elm.order=5`; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting, help_heading = "Program")]
+    pub set: Vec<Setting>,
+    /// Another seed draws another tree
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Program")]
+    pub seed: u64,
+}
+
+/// What is passed over unseen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Culling {
+    /// Whatever lies outside the exact bounds of a state
+    State,
+    /// Nothing
+    None,
+}
+
+impl From<Culling> for CullingMode {
+    fn from(culling: Culling) -> Self {
+        match culling {
+            Culling::State => Self::State,
+            Culling::None => Self::None,
+        }
+    }
+}
+
+impl Render {
+    /// The program.
+    pub fn file(&self) -> &Path {
+        self.file.as_deref().unwrap_or(Path::new("-"))
+    }
+
+    /// Where the picture goes.
+    pub fn output(&self) -> PathBuf {
+        match (&self.output, self.file().file_stem()) {
+            (Some(output), _) => output.clone(),
+            (None, Some(stem)) if self.file() != Path::new("-") => Path::new(stem).with_added_extension("png"),
+            (None, _) => PathBuf::from("-"),
+        }
+    }
+}
+
+/// Reads the command line. Help and usage errors are printed here, and all that is left of them is the exit code.
+///
+/// # Errors
+/// The exit code, when there is nothing to do.
+pub fn parse() -> Result<Cli, Exit> {
+    let parsed = Cli::command().try_get_matches().and_then(|matches| {
+        refuse_mixture(&matches)?;
+        let cli = Cli::from_arg_matches(&matches)?;
+        refuse_doubles(&cli)?;
+        Ok(cli)
+    });
+    parsed.map_err(|error| tell(&error))
+}
+
+/// A verb takes none of what belongs to rendering. clap can refuse that by itself (`args_conflicts_with_subcommands`), but then it
+/// refuses what stands before the verb and belongs to all, too.
+fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
+    let Some(verb) = matches.subcommand_name() else { return Ok(()) };
+    let shared = ["quiet", "color"];
+    let given = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    let command = Cli::command();
+    let ids = command.get_arguments().map(|it| it.get_id().as_str()).filter(|it| !shared.contains(it));
+    let Some(id) = ids.filter(|it| matches.try_contains_id(it).is_ok()).find(given) else { return Ok(()) };
+    let name = if id == "file" { "FILE".to_owned() } else { format!("--{}", id.replace('_', "-")) };
+    let text = format!("`{name}` cannot stand before `{verb}`");
+    Err(Cli::command().error(ErrorKind::ArgumentConflict, text))
+}
+
+/// Of two values for one name, one would be lost without a word.
+fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
+    let program = match &cli.command {
+        Some(Command::Check(check)) => &check.program,
+        None => &cli.render.program,
+    };
+    let mut names: Vec<&str> = program.set.iter().map(|it| it.name.as_str()).collect();
+    names.sort_unstable();
+    match names.windows(2).find(|it| it.first() == it.last()) {
+        Some(twice) => {
+            let name = shown_text(twice.first().unwrap_or(&""));
+            Err(Cli::command().error(ErrorKind::ArgumentConflict, format!("`--set {name}=...` is given twice")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Prints help on standard output and mistakes on standard error. What was typed may hold anything: a message that quotes control
+/// characters is printed without colour and with all of them escaped.
+fn tell(error: &clap::Error) -> Exit {
+    let plain = error.render().to_string();
+    if plain.chars().any(|it| it != '\n' && shown_text(it.encode_utf8(&mut [0; 4])).starts_with('\\')) {
+        let lines: Vec<String> = plain.lines().map(shown_text).collect();
+        console::print(&(lines.join("\n") + "\n"));
+    } else {
+        // A closed pipe is nobody's mistake.
+        let _ = error.print();
+    }
+    if error.use_stderr() { Exit::Usage } else { Exit::Done }
+}
+
+/// The way to whoever started the run.
+impl From<&Cli> for Console {
+    fn from(cli: &Cli) -> Self {
+        Self::new(cli.color, cli.quiet)
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        Some((whole(width)?, whole(height)?))
+    };
+    match parse() {
+        Some((0, _) | (_, 0)) => Err("a picture has at least one pixel".to_owned()),
+        Some(size) => Ok(size),
+        None => Err("write width and height in pixels, as in 800x600".to_owned()),
+    }
+}
+
+fn crop(text: &str) -> Result<Rect, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(whole).collect();
+    match numbers.as_deref() {
+        Some([_, _, 0, _] | [_, _, _, 0]) => Err("a crop has at least one pixel".to_owned()),
+        Some(&[x, y, width, height]) => Ok(Rect { x, y, width, height }),
+        _ => Err("write left, top, width and height in pixels, as in 100,50,320,200".to_owned()),
+    }
+}
+
+/// A whole number in digits; `u32::from_str` would take a `+`, too.
+fn whole(text: &str) -> Option<u32> {
+    text.bytes().all(|it| it.is_ascii_digit()).then(|| text.parse().ok())?
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok(Setting { name: name.trim().to_owned(), value: value.trim().to_owned() })
+        }
+        _ => Err("write a name, `=` and a value, as in order=12".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cli, crop, setting, size};
+    use clap::CommandFactory;
+    use treegen_runtime::picture::Rect;
+
+    #[test]
+    fn the_command_line_agrees_with_itself() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_size_is_two_whole_numbers() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        for wrong in ["", "x", "640", "640x", "0x5", "5x0", "1e9x1", "-1x5", "+1x5", "1x2x3", "4294967297x1", "6.5x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_crop_is_four_whole_numbers() {
+        assert_eq!(crop("1,2,3,4"), Ok(Rect { x: 1, y: 2, width: 3, height: 4 }));
+        for wrong in ["", "1,2,3", "1,2,3,4,5", "1,2,0,4", "1,2,3,0", "-1,2,3,4", "1;2;3;4"] {
+            assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_setting_is_split_at_its_first_equals_sign() {
+        let set = setting("Elm.order = a == b").unwrap();
+        assert_eq!((set.name.as_str(), set.value.as_str()), ("Elm.order", "a == b"));
+        for wrong in ["", "order", "=", "order=", "=5", " = "] {
+            assert!(setting(wrong).is_err(), "{wrong}");
+        }
+    }
+}

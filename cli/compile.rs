@@ -1,0 +1,64 @@
+//! From a file to a scene, and what is said about it on the way.
+
+use std::path::Path;
+
+use treegen_compiler::{Compiled, Options, Problem, Sources};
+use treegen_runtime::form::Scene;
+use treegen_runtime::{Fault, FaultKind, Limits};
+
+use crate::arguments::Program;
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::files::Files;
+
+/// A program that was understood.
+#[derive(Debug)]
+pub struct Understood {
+    /// Where it came from.
+    pub files: Files,
+    /// What it shows.
+    pub scene: Scene,
+    /// Its texts.
+    pub sources: Sources,
+}
+
+/// Reads and compiles a program, and prints its warnings.
+///
+/// # Errors
+/// What is wrong with the file or with what it says.
+pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console) -> Result<Understood, Failure> {
+    let files = Files::open(file)?;
+    let options = Options { seed: program.seed, time: 0.0, settings: program.set.clone(), limits };
+    let Compiled { sources, scene, problems } = treegen_compiler::compile(files.main(), &files, &options);
+    let words = treegen_compiler::show(&problems, &sources, console.color);
+    match scene {
+        Some(scene) => {
+            console.warn(&words);
+            Ok(Understood { files, scene, sources })
+        }
+        None => Err(Failure::diagnostics(exit_of(&problems), words)),
+    }
+}
+
+impl Understood {
+    /// A fault in words.
+    pub fn failure(&self, fault: &Fault, console: Console) -> Failure {
+        if fault.kind == FaultKind::Interrupted {
+            return Failure::interrupted();
+        }
+        let problems = [treegen_compiler::problem_of_fault(fault)];
+        Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color))
+    }
+}
+
+/// A wrong program comes before a wrong value for it, and both before a limit.
+fn exit_of(problems: &[Problem]) -> Exit {
+    let errors = || problems.iter().filter(|it| it.is_error());
+    if errors().any(|it| !it.is_about_settings() && !it.is_limit()) {
+        Exit::Program
+    } else if errors().any(Problem::is_about_settings) {
+        Exit::Usage
+    } else {
+        Exit::Limit
+    }
+}

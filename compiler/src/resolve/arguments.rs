@@ -1,0 +1,148 @@
+//! Arguments: which value goes to which parameter.
+
+use std::collections::HashMap;
+
+use treegen_grammar::Span;
+use treegen_grammar::ast;
+
+use super::Resolver;
+use super::scope::Scope;
+use crate::builtin::Group;
+use crate::program::{Expr, ExprKind};
+use crate::similar::nearest;
+use crate::words;
+
+/// Something that is called.
+#[derive(Clone, Copy)]
+pub(super) struct Callee<'a> {
+    pub(super) name: &'a str,
+    pub(super) span: Span,
+    pub(super) params: &'a [&'a str],
+    /// For each parameter whether it must be given.
+    pub(super) required: &'a [bool],
+}
+
+impl Resolver<'_> {
+    /// Gives each parameter its argument. `None` when a problem was reported, by the values too.
+    pub(super) fn arguments(&mut self, scope: &mut Scope, callee: Callee<'_>, args: &[ast::Arg]) -> Option<Vec<Option<Expr>>> {
+        let values = args.iter().map(|it| self.expr(scope, &it.value)).collect();
+        self.match_arguments(scope, callee, args, values)
+    }
+
+    /// Gives each parameter one of the values that stand for the arguments.
+    pub(super) fn match_arguments<T>(
+        &mut self,
+        scope: &Scope,
+        callee: Callee<'_>,
+        args: &[ast::Arg],
+        values: Vec<T>,
+    ) -> Option<Vec<Option<T>>> {
+        // An argument that could not be read may stand for several.
+        let readable = args.iter().all(|it| it.value.kind != ast::ExprKind::Error);
+        let mut given: Vec<Option<T>> = callee.params.iter().map(|_| None).collect();
+        let mut places: HashMap<usize, Span> = HashMap::new();
+        let mut named: Option<Span> = None;
+        let mut fine = readable;
+        for (number, (arg, value)) in args.iter().zip(values).enumerate() {
+            let index = match &arg.name {
+                Some(name) => {
+                    named = Some(name.span);
+                    let Some(index) = callee.params.iter().position(|it| *it == name.text) else {
+                        let near = nearest(&name.text, callee.params.iter().copied());
+                        let problem =
+                            words::arguments::unknown(callee.name, &name.text, name.span, callee.params, near);
+                        self.report(scope, problem);
+                        fine = false;
+                        continue;
+                    };
+                    index
+                }
+                None => {
+                    if let Some(named) = named {
+                        self.report(scope, words::arguments::after_named(arg.value.span, named));
+                        return None;
+                    }
+                    number
+                }
+            };
+            let span = arg.name.as_ref().map_or(arg.value.span, |it| it.span);
+            let Some(place) = given.get_mut(index) else {
+                if readable {
+                    let problem = words::arguments::too_many(callee.name, callee.params, args.len(), arg.value.span);
+                    self.report(scope, problem);
+                }
+                return None;
+            };
+            if let Some(first) = places.insert(index, span) {
+                self.report(scope, words::arguments::twice(callee.params[index], span, first));
+                fine = false;
+            }
+            *place = Some(value);
+        }
+        if !fine {
+            self.break_def(scope.def);
+            return None;
+        }
+        let missing = |it: &(usize, &Option<T>)| it.1.is_none() && callee.required.get(it.0).copied().unwrap_or(false);
+        let missing: Vec<&str> = given.iter().enumerate().filter(missing).map(|it| callee.params[it.0]).collect();
+        if missing.is_empty() {
+            return Some(given);
+        }
+        self.report(scope, words::arguments::missing(callee.name, callee.params, &missing, callee.span));
+        None
+    }
+
+    /// The arguments of a transformation or primitive, and whether they are all numbers (or else some are vectors).
+    pub(super) fn grouped(
+        &mut self,
+        scope: &mut Scope,
+        name: &str,
+        groups: &[Group],
+        args: Option<&[ast::Arg]>,
+        span: Span,
+    ) -> Option<(Vec<Expr>, bool)> {
+        let args = args.unwrap_or(&[]);
+        let flat: Vec<&str> = groups.iter().flat_map(|it| it.parts.iter().copied()).collect();
+        let vectors: Vec<&str> = groups.iter().map(|it| it.name).collect();
+        let is_flat = args.len() == flat.len();
+        let readable = args.iter().all(|it| it.value.kind != ast::ExprKind::Error);
+        let has_vectors = vectors.len() < flat.len() && groups.iter().all(|it| it.parts.len() <= 4);
+        let fits = is_flat || (args.len() == vectors.len() && has_vectors);
+        if !fits {
+            for arg in args {
+                self.expr(scope, &arg.value);
+            }
+            if readable {
+                let problem = words::arguments::wrong_number(name, &needs(groups, has_vectors), args.len(), span);
+                self.report(scope, problem);
+            }
+            return None;
+        }
+        let params = if is_flat { flat } else { vectors };
+        let required = vec![true; params.len()];
+        let callee = Callee { name, span, params: &params, required: &required };
+        let values = self.arguments(scope, callee, args)?;
+        let values: Vec<Expr> = values.into_iter().flatten().collect();
+        Some((values, is_flat))
+    }
+
+    /// Whether an expression is one about which a problem was reported.
+    pub(super) fn is_error(expr: &Expr) -> bool {
+        matches!(expr.kind, ExprKind::Error)
+    }
+}
+
+/// `3 numbers (x, y, z), or a vector of them`
+fn needs(groups: &[Group], vectors: bool) -> String {
+    let parts: Vec<&str> = groups.iter().flat_map(|it| it.parts.iter().copied()).collect();
+    if parts.is_empty() {
+        return "no arguments".to_owned();
+    }
+    let numbers = words::count(parts.len(), "number");
+    let names = if parts.len() <= 4 { format!(" ({})", parts.join(", ")) } else { String::new() };
+    match groups {
+        [only] if vectors => format!("{numbers}{names}, or one vector of {}", only.parts.len()),
+        [first, _] if vectors => format!("{numbers}{names}, or a vector of {} and a number", first.parts.len()),
+        _ => format!("{numbers}{names}"),
+    }
+}

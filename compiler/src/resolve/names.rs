@@ -1,0 +1,59 @@
+//! Tables of names.
+
+use std::collections::HashMap;
+
+use treegen_grammar::FileId;
+
+use crate::program::{CalcId, DefId, EnumId, FunctionId, GlobalId, MaterialId, ModuleId, SlotId, SystemId, TextureId};
+
+/// What a name means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Meaning {
+    /// A used file; `None` if it could not be read.
+    File(Option<FileId>),
+    Global(GlobalId),
+    Function(FunctionId),
+    Enum(EnumId),
+    Texture(TextureId),
+    Material(MaterialId),
+    System(SystemId),
+    /// A value that a system keeps in a slot.
+    Slot(SlotId),
+    /// A parameter of a function.
+    Param(u16),
+    Calc(CalcId),
+    Module(ModuleId),
+}
+
+/// A name's definition and meaning.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Named {
+    pub(super) def: DefId,
+    pub(super) meaning: Meaning,
+}
+
+/// The names of a file or a system, in the order in which they were declared.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    table: HashMap<String, Named>,
+    order: Vec<String>,
+    /// Text that could not be read: names in it may be defined there.
+    pub(super) unreadable: Vec<treegen_grammar::Span>,
+}
+
+impl Names {
+    pub(super) fn get(&self, name: &str) -> Option<Named> {
+        self.table.get(name).copied()
+    }
+
+    pub(super) fn add(&mut self, name: &str, named: Named) {
+        if self.table.insert(name.to_owned(), named).is_none() {
+            self.order.push(name.to_owned());
+        }
+    }
+
+    /// All names with what they mean, in the order in which they were declared.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, Named)> {
+        self.order.iter().filter_map(|it| Some((it.as_str(), self.get(it)?)))
+    }
+}

@@ -1,0 +1,193 @@
+//! What is seen from a place in the text.
+
+use std::collections::HashMap;
+
+use treegen_grammar::ast::Name;
+use treegen_grammar::{FileId, Span};
+use treegen_runtime::eval::Place;
+
+use super::Resolver;
+use super::names::{Meaning, Named};
+use crate::builtin;
+use crate::program::{DefId, DefKind, ModuleId, SystemId};
+use crate::similar::nearest;
+use crate::words;
+
+/// How much of its system an expression sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sees {
+    /// Only the file's names: a formal's default or range.
+    File,
+    /// Formals and `let`s: a `let` of a system, or the first value of a `var`.
+    Constants,
+    /// Everything.
+    State,
+}
+
+/// A place in the text, with what is seen from it.
+pub(super) struct Scope {
+    pub(super) file: FileId,
+    pub(super) system: Option<SystemId>,
+    pub(super) sees: Sees,
+    /// The definition that all this stands in.
+    pub(super) def: DefId,
+    /// The module whose rules' labels mean something here.
+    pub(super) selects: Option<ModuleId>,
+    /// Whether terms are those of a walk.
+    pub(super) walk: bool,
+    /// Where draws and calls are counted.
+    pub(super) place: Place,
+    draws: u32,
+    calls: u32,
+    locals: HashMap<String, Named>,
+    /// The locals in the order in which they came, with what they replaced.
+    stack: Vec<(String, Option<Named>)>,
+}
+
+impl Scope {
+    /// At the top of a file.
+    pub(super) fn file(file: FileId) -> Self {
+        Self {
+            file,
+            system: None,
+            sees: Sees::State,
+            def: DefId(0),
+            selects: None,
+            walk: false,
+            place: Place::file(),
+            draws: 0,
+            calls: 0,
+            locals: HashMap::new(),
+            stack: Vec::new(),
+        }
+    }
+
+    /// In a definition at this place.
+    pub(super) fn within(self, def: DefId, place: Place) -> Self {
+        Self { def, place, ..self }
+    }
+
+    /// The place of the next draw.
+    pub(super) fn next_draw(&mut self) -> u64 {
+        self.draws += 1;
+        self.place.draw(self.draws - 1)
+    }
+
+    /// The place of the next call.
+    pub(super) fn next_call(&mut self) -> u64 {
+        self.calls += 1;
+        self.place.call(self.calls - 1)
+    }
+
+    /// Makes a name known to the rest of the scope.
+    pub(super) fn add_quietly(&mut self, name: &str, named: Named) {
+        let before = self.locals.insert(name.to_owned(), named);
+        self.stack.push((name.to_owned(), before));
+    }
+
+    /// How many locals there are, to go back to with [`Scope::forget`].
+    pub(super) fn mark(&self) -> usize {
+        self.stack.len()
+    }
+
+    /// Forgets the locals that came after the mark.
+    pub(super) fn forget(&mut self, mark: usize) {
+        while self.stack.len() > mark {
+            match self.stack.pop() {
+                Some((name, Some(before))) => {
+                    self.locals.insert(name, before);
+                }
+                Some((name, None)) => {
+                    self.locals.remove(&name);
+                }
+                None => {}
+            }
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// Makes a name known to the rest of a scope. It may hide none of the program's own.
+    pub(super) fn add_local(&mut self, scope: &mut Scope, name: &Name, named: Named) {
+        if let Some(other) = self.seen(scope, &name.text) {
+            let (what, span) = (self.program.def(other.def).kind.word(), self.program.def(other.def).span);
+            self.report(scope, words::names::hides(&name.text, name.span, what, span));
+        }
+        self.warn_if_builtin(name, scope.walk);
+        scope.add_quietly(&name.text, named);
+    }
+
+    /// Warns when a name hides a built-in one.
+    pub(super) fn warn_if_builtin(&mut self, name: &Name, walk: bool) {
+        let word = if walk && builtin::is_walk_word(&name.text) { Some("word") } else { builtin::describe(&name.text) };
+        if let Some(word) = word {
+            self.problems.push(words::warnings::hides_builtin(&name.text, word, name.span));
+        }
+    }
+
+    /// What a name means here, without a word about it.
+    fn seen(&self, scope: &Scope, name: &str) -> Option<Named> {
+        let of_system = || scope.system.and_then(|it| self.systems.get(it.index())?.get(name));
+        let of_file = || self.files.get(scope.file.0 as usize)?.get(name);
+        scope.locals.get(name).copied().or_else(of_system).or_else(of_file)
+    }
+
+    /// What a name means here; takes note that it is used. `Err` when a problem about it was reported.
+    pub(super) fn lookup(&mut self, scope: &Scope, name: &str, span: Span) -> Result<Option<Named>, ()> {
+        let Some(named) = self.seen(scope, name) else { return Ok(None) };
+        self.uses(scope, named.def);
+        let def = self.program.def(named.def);
+        let (kind, defined) = (def.kind, def.span);
+        let own = matches!(
+            kind,
+            DefKind::Formal | DefKind::Let | DefKind::Var | DefKind::Module(_) | DefKind::Calc(_) | DefKind::Function(_)
+        ) && scope.system.is_some_and(|it| self.systems[it.index()].get(name).is_some_and(|it| it.def == named.def));
+        if scope.sees == Sees::File && own {
+            self.report(scope, words::names::default_too_narrow(name, span, kind.word(), defined));
+            return Err(());
+        }
+        if scope.sees == Sees::Constants && kind == DefKind::Var {
+            let reader = format!("a {}", self.program.def(scope.def).kind.word());
+            self.report(scope, words::names::state_too_early(name, span, defined, &reader));
+            return Err(());
+        }
+        Ok(Some(named))
+    }
+
+    /// Takes note that a definition is used where the scope is.
+    pub(super) fn uses(&mut self, scope: &Scope, def: DefId) {
+        let uses = &mut self.program.defs[scope.def.index()].uses;
+        if uses.last() != Some(&def) {
+            uses.push(def);
+        }
+    }
+
+    /// Says that a name is unknown, once, unless it may stand in text that could not be read.
+    pub(super) fn unknown(&mut self, scope: &Scope, name: &str, span: Span, what: &str, fits: &dyn Fn(Meaning) -> bool, more: &[&'static str]) {
+        self.break_def(scope.def);
+        if self.may_be_unreadable(scope, name) || !self.unknown.insert((scope.file, scope.system, name.to_owned())) {
+            return;
+        }
+        let near = {
+            let locals = scope.stack.iter().filter_map(|it| Some((it.0.as_str(), *scope.locals.get(&it.0)?)));
+            let of_system = scope.system.and_then(|it| self.systems.get(it.index())).into_iter().flat_map(|it| it.iter());
+            let of_file = self.files.get(scope.file.0 as usize).into_iter().flat_map(|it| it.iter());
+            let own = locals.chain(of_system).chain(of_file).filter(|it| fits(it.1.meaning)).map(|it| it.0);
+            nearest(name, own.chain(more.iter().copied())).map(str::to_owned)
+        };
+        self.problems.push(words::names::unknown(name, span, what, near.as_deref()));
+    }
+
+    /// Whether a name may be defined in text that could not be read.
+    pub(super) fn may_be_unreadable(&self, scope: &Scope, name: &str) -> bool {
+        let of_system = scope.system.and_then(|it| self.systems.get(it.index()));
+        let of_file = self.files.get(scope.file.0 as usize);
+        of_system.into_iter().chain(of_file).any(|it| self.is_in(&it.unreadable, name))
+    }
+
+    /// Whether a name stands as a word in one of these pieces of text.
+    pub(super) fn is_in(&self, spans: &[Span], name: &str) -> bool {
+        let is_word = |it: char| it.is_ascii_alphanumeric() || it == '_';
+        spans.iter().any(|it| self.sources.text(*it).split(|it| !is_word(it)).any(|it| it == name))
+    }
+}

@@ -1,0 +1,39 @@
+//! Used files: `E02`.
+
+use treegen_grammar::Span;
+
+use crate::loader::LoadError;
+use crate::problem::Problem;
+
+/// A file that could not be read.
+pub(crate) fn not_loaded(path: &str, span: Span, why: &LoadError) -> Problem {
+    match why {
+        LoadError::NotFound => Problem::error("E0201", format!("there is no file `{path}`"), span, "not found")
+            .note("a path is relative to the file that names it"),
+        LoadError::Outside => {
+            Problem::error("E0202", format!("`{path}` leads out of the program's folder"), span, "not allowed")
+        }
+        LoadError::NotText { at } => {
+            Problem::error("E0203", format!("`{path}` is not a text"), span, format!("byte {at} is not UTF-8"))
+        }
+        LoadError::TooLarge => Problem::error("E0901", format!("`{path}` is too large"), span, "a file has 4 MiB at most"),
+        LoadError::Refused(reason) => Problem::error("E0204", format!("`{path}` could not be read"), span, reason.clone()),
+    }
+}
+
+/// Files that use one another.
+pub(crate) fn cycle(names: &[String], span: Span) -> Problem {
+    let chain = super::quoted(names.iter().map(String::as_str)).join(" uses ");
+    Problem::error("E0205", "a file uses itself", span, "this closes the circle").note(chain)
+}
+
+/// A file whose name is no name of the language.
+pub(crate) fn needs_alias(path: &str, span: Span) -> Problem {
+    Problem::error("E0206", format!("`{path}` needs a name in this file"), span, "its own is no name")
+        .note("write `as` and a name behind it")
+}
+
+/// More than may be used.
+pub(crate) fn too_many(what: &str, most: usize, span: Span) -> Problem {
+    Problem::error("E0902", format!("the program uses too many {what}"), span, format!("{most} at most"))
+}

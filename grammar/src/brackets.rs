@@ -1,0 +1,351 @@
+//! Sees to it that every bracket has its partner.
+//!
+//! Nothing in the language has the beginning of an item inside brackets, so an item's brackets are its own affair. Where
+//! they are in order they stay as they are. Where they are not, the usual signs say what is missing: a `;` inside `( )`,
+//! an arrow inside a body, a `}` that stands under another line than the one that opened. Brackets that are missing are
+//! put in (as tokens of no length), those that are too many are left out, and each cluster of trouble is told once.
+
+use crate::error::{SyntaxError, SyntaxErrorKind};
+use crate::lexer::Placed;
+use crate::statements::Finding;
+use crate::token::Token;
+use crate::{FileId, MAX_ERRORS, Span};
+
+/// Balances the tokens of a text of `length` bytes. `None` when they are.
+pub(crate) fn balance<'a>(
+    file: FileId,
+    length: u32,
+    tokens: &[Placed<'a>],
+    findings: &mut Vec<Finding>,
+) -> Option<Vec<Placed<'a>>> {
+    let segments = segments(tokens);
+    if segments.iter().all(|it| Surplus::of(it).is_none()) {
+        return None;
+    }
+    let mut repair = Repair {
+        file,
+        findings,
+        out: Vec::with_capacity(tokens.len() + 16),
+        open: Vec::new(),
+        counts: Counts::default(),
+        forgiven: Counts::default(),
+        surplus: Surplus::Unclear,
+        indent: 0,
+        pending: false,
+        separator: None,
+        just_dropped: false,
+    };
+    let mut rest = tokens;
+    for segment in segments {
+        rest = rest.get(segment.len()..).unwrap_or_default();
+        match Surplus::of(segment) {
+            None => repair.out.extend_from_slice(segment),
+            Some(surplus) => {
+                repair.surplus = surplus;
+                repair.segment(segment, rest.first().map_or((length, length), |it| (it.start, it.end)));
+            }
+        }
+    }
+    Some(repair.out)
+}
+
+/// Cuts the text where items begin.
+fn segments<'t, 'a>(tokens: &'t [Placed<'a>]) -> Vec<&'t [Placed<'a>]> {
+    let mut segments = Vec::new();
+    let mut begin = 0;
+    for (at, pair) in tokens.windows(2).enumerate() {
+        if let [it, next] = pair
+            && it.token.begins_item(Some(next.token))
+        {
+            segments.extend(tokens.get(begin..at));
+            begin = at;
+        }
+    }
+    segments.extend(tokens.get(begin..));
+    segments
+}
+
+/// Of which brace there are more in a piece of text whose brackets are out of order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Surplus {
+    Opening,
+    Closing,
+    Unclear,
+}
+
+impl Surplus {
+    /// `None` when the brackets are in order.
+    fn of(tokens: &[Placed<'_>]) -> Option<Self> {
+        let mut closers = Vec::new();
+        let mut in_order = true;
+        let mut braces = 0_i64;
+        for it in tokens {
+            if let Some(closer) = it.token.closer() {
+                closers.push(closer);
+            } else if it.token.is_closer() {
+                in_order &= closers.pop() == Some(it.token);
+            }
+            braces += i64::from(it.token == Token::OpenCurly) - i64::from(it.token == Token::CloseCurly);
+        }
+        match braces {
+            _ if in_order && closers.is_empty() => None,
+            0 => Some(Self::Unclear),
+            1.. => Some(Self::Opening),
+            _ => Some(Self::Closing),
+        }
+    }
+}
+
+/// A number for each kind of bracket.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    round: usize,
+    square: usize,
+    curly: usize,
+}
+
+impl Counts {
+    fn of(&mut self, closer: Token<'_>) -> &mut usize {
+        match closer {
+            Token::CloseRound => &mut self.round,
+            Token::CloseSquare => &mut self.square,
+            _ => &mut self.curly,
+        }
+    }
+}
+
+/// A bracket that waits for its partner.
+#[derive(Clone, Copy, Debug)]
+struct Open<'a> {
+    place: Span,
+    closer: Token<'a>,
+    /// Where it stands in the output.
+    at: usize,
+    /// The column where its line begins.
+    indent: u32,
+    /// Whether it holds members: it opens a system, or a group of rules in one.
+    holds_members: bool,
+    /// Whether it is the body of a `repeat` or an `if`, which holds no `;`.
+    is_body: bool,
+}
+
+struct Repair<'a, 'f> {
+    file: FileId,
+    findings: &'f mut Vec<Finding>,
+    out: Vec<Placed<'a>>,
+    open: Vec<Open<'a>>,
+    /// How many brackets of each kind are open.
+    counts: Counts,
+    /// How many closing brackets may turn up whose partner had to be closed before.
+    forgiven: Counts,
+    surplus: Surplus,
+    /// The column where the line at hand begins.
+    indent: u32,
+    /// Whether the next `{` opens a body.
+    pending: bool,
+    /// Where in the output the last `;` stands.
+    separator: Option<usize>,
+    /// Whether the token before was left out.
+    just_dropped: bool,
+}
+
+impl<'a> Repair<'a, '_> {
+    /// Reads an item, which `after` follows.
+    fn segment(&mut self, tokens: &[Placed<'a>], after: (u32, u32)) {
+        let is_system = tokens.first().is_some_and(|it| matches!(it.token, Token::Csg | Token::Shape | Token::Hull));
+        let mut rest = tokens;
+        let mut first_of_member = Token::Semicolon;
+        while let [it, next @ ..] = rest {
+            rest = next;
+            if it.leads {
+                self.indent = it.start - it.line;
+            }
+            let outer = self.open.last().map(|it| it.holds_members);
+            match it.token {
+                Token::OpenCurly if outer.is_none() => self.open(it, is_system),
+                Token::OpenCurly => self.open(it, outer == Some(true) && first_of_member == Token::Priority),
+                token if token.closer().is_some() => self.open(it, false),
+                token if token.is_closer() => self.close(it, next.first()),
+                Token::Semicolon => self.semicolon(it, next.first()),
+                _ => self.other(it),
+            }
+            if self.open.last().is_some_and(|it| it.holds_members)
+                && self.out.iter().nth_back(1).is_none_or(|it| ends_member(it.token))
+            {
+                first_of_member = it.token;
+            }
+        }
+        self.end(after);
+    }
+
+    fn open(&mut self, it: &Placed<'a>, holds_members: bool) {
+        let Some(closer) = it.token.closer() else { return };
+        let is_body = it.token == Token::OpenCurly && std::mem::take(&mut self.pending);
+        let place = Span::new(self.file, it.start, it.end);
+        let (at, indent) = (self.out.len(), self.indent);
+        self.open.push(Open { place, closer, at, indent, holds_members, is_body });
+        *self.counts.of(closer) += 1;
+        self.push(it);
+    }
+
+    fn close(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
+        let fits = self.open.last().is_some_and(|open| open.closer == it.token);
+        if !fits && *self.counts.of(it.token) == 0 {
+            return self.drop_closer(it);
+        }
+        if fits && it.token == Token::CloseCurly {
+            let goes_on = next.is_some_and(|it| !matches!(it.token, Token::Let | Token::Fn));
+            if self.surplus == Surplus::Closing && self.open.len() == 1 && goes_on {
+                return self.drop_closer(it);
+            }
+            if self.surplus == Surplus::Opening && it.leads {
+                self.close_deeper_than(it);
+            }
+        }
+        if self.open.last().is_some_and(|open| open.closer != it.token) {
+            self.unclosed((it.start, it.end));
+            while self.open.last().is_some_and(|open| open.closer != it.token) {
+                self.put_in_closer();
+            }
+        }
+        self.pop();
+        self.push(it);
+    }
+
+    /// Closes what was opened on lines that are indented deeper than the one that `brace` seems to belong to.
+    fn close_deeper_than(&mut self, brace: &Placed<'a>) {
+        let column = brace.start - brace.line;
+        let deeper = self.open.iter().rev().take_while(|open| open.indent > column).count();
+        let partner = self.open.len().checked_sub(deeper + 1).and_then(|at| self.open.get(at));
+        if deeper > 0 && partner.is_some_and(|it| it.indent == column && it.closer == brace.token) {
+            self.unclosed((brace.start, brace.end));
+            for _ in 0..deeper {
+                self.put_in_closer();
+            }
+        }
+    }
+
+    fn semicolon(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
+        if self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
+            self.unclosed((it.start, it.end));
+            while self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
+                self.put_in_closer();
+            }
+        }
+        let goes_on = next.is_some_and(|it| it.token != Token::CloseCurly);
+        if self.surplus == Surplus::Opening && goes_on && self.open.last().is_some_and(|open| open.is_body) {
+            self.unclosed((it.start, it.end));
+            while self.open.last().is_some_and(|open| open.is_body) {
+                self.put_in_closer();
+            }
+        }
+        if self.open.last().is_none_or(|open| open.holds_members) {
+            self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
+        }
+        self.separator = Some(self.out.len());
+        self.push(it);
+    }
+
+    fn other(&mut self, it: &Placed<'a>) {
+        let is_arrow = matches!(it.token, Token::Replace | Token::Append);
+        let begins_member = it.token.begins_member() && !matches!(it.token, Token::Let | Token::Fn);
+        if is_arrow || begins_member {
+            self.close_to_members(it, is_arrow);
+        }
+        match it.token {
+            Token::Repeat | Token::If | Token::Else => self.pending = true,
+            Token::Replace | Token::Append => self.pending = false,
+            _ => {}
+        }
+        self.push(it);
+    }
+
+    /// An arrow or the first word of a member shows that all brackets within the member before are closed. The head of
+    /// a rule stands before its arrow, so they are then closed before the last `;`.
+    fn close_to_members(&mut self, it: &Placed<'a>, is_arrow: bool) {
+        let within = self.open.iter().rev().take_while(|open| !open.holds_members).count();
+        if within == 0 || within == self.open.len() {
+            return;
+        }
+        self.unclosed((it.start, it.end));
+        let opened = self.open.last().map_or(0, |open| open.at);
+        let head = self.separator.filter(|&at| is_arrow && at > opened);
+        let tail = head.map(|at| self.out.split_off(at)).unwrap_or_default();
+        for _ in 0..within {
+            self.put_in_closer();
+        }
+        self.out.extend(tail);
+    }
+
+    /// The item is over.
+    fn end(&mut self, after: (u32, u32)) {
+        if !self.open.is_empty() {
+            self.unclosed(after);
+        }
+        while !self.open.is_empty() {
+            self.put_in_closer();
+        }
+        self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
+        (self.pending, self.separator, self.just_dropped) = (false, None, false);
+    }
+
+    fn pop(&mut self) -> Option<Open<'a>> {
+        let open = self.open.pop()?;
+        *self.counts.of(open.closer) -= 1;
+        Some(open)
+    }
+
+    fn push(&mut self, it: &Placed<'a>) {
+        self.out.push(*it);
+        self.just_dropped = false;
+    }
+
+    /// Closes the innermost bracket after the last token.
+    fn put_in_closer(&mut self) {
+        let Some(open) = self.pop() else { return };
+        *self.forgiven.of(open.closer) += 1;
+        if let Some(last) = self.out.last().copied() {
+            self.out.push(Placed { token: open.closer, start: last.end, leads: false, ..last });
+        }
+    }
+
+    /// Leaves out a closing bracket that has no partner.
+    fn drop_closer(&mut self, it: &Placed<'a>) {
+        let forgiven = self.forgiven.of(it.token);
+        if *forgiven > 0 {
+            *forgiven -= 1;
+        } else if !self.just_dropped {
+            let kind = SyntaxErrorKind::UnopenedBracket { close: letter(it.token) };
+            self.report((it.start, it.end), kind, Some((it.start, it.start)));
+        }
+        self.just_dropped = true;
+    }
+
+    /// Tells that the innermost bracket is open, which `found` shows.
+    fn unclosed(&mut self, found: (u32, u32)) {
+        let Some(open) = self.open.last().copied() else { return };
+        let kind = SyntaxErrorKind::UnclosedBracket { open: open.place, close: letter(open.closer) };
+        let until = self.out.last().map_or(found.0, |it| it.end).saturating_sub(1);
+        self.report(found, kind, (!open.holds_members).then_some((open.place.start, until)));
+    }
+
+    fn report(&mut self, (start, end): (u32, u32), kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {
+        if self.findings.len() < MAX_ERRORS {
+            let error = SyntaxError { span: Span::new(self.file, start, end), kind };
+            self.findings.push(Finding { error, confuses });
+        }
+    }
+}
+
+/// Whether a member may begin after this.
+fn ends_member(token: Token<'_>) -> bool {
+    matches!(token, Token::Semicolon | Token::OpenCurly | Token::CloseCurly)
+}
+
+fn letter(closer: Token<'_>) -> char {
+    match closer {
+        Token::CloseRound => ')',
+        Token::CloseSquare => ']',
+        _ => '}',
+    }
+}

@@ -1,0 +1,298 @@
+//! From text to tokens.
+//!
+//! Every character is a part of a token, of a comment, of a blank, or of a reported mistake. What is wrong becomes the
+//! token that was probably meant, so that the parser does not stumble over it a second time.
+
+use logos::Logos;
+
+use crate::ast::Comment;
+use crate::error::{NumberProblem, SyntaxError, SyntaxErrorKind};
+use crate::token::Token;
+use crate::{FileId, MAX_ERRORS, Span, foreign, text};
+
+/// A token with its place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed<'a> {
+    pub(crate) token: Token<'a>,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+    /// Where its line begins.
+    pub(crate) line: u32,
+    /// Whether it is the first of its line.
+    pub(crate) leads: bool,
+}
+
+/// What is found in a text.
+#[derive(Debug)]
+pub(crate) struct Lexed<'a> {
+    pub(crate) tokens: Vec<Placed<'a>>,
+    pub(crate) comments: Vec<Comment>,
+    /// For each token below a doc comment where it begins, and the comment without its marks.
+    pub(crate) docs: Vec<(u32, String)>,
+    pub(crate) errors: Vec<SyntaxError>,
+    /// Places of unterminated texts, which have swallowed what follows on their line, and other doubtful matters: the
+    /// rest of their statement may look wrong because of them.
+    pub(crate) doubtful: Vec<u32>,
+    /// From where on nothing more is known: an unterminated comment, or too many errors.
+    pub(crate) cut: Option<u32>,
+}
+
+/// Reads the tokens of `text`, which is shorter than 4 GiB.
+pub(crate) fn lex(file: FileId, text: &str) -> Lexed<'_> {
+    let skipped = if text.starts_with('\u{FEFF}') { '\u{FEFF}'.len_utf8() } else { 0 };
+    let mut reader = Reader {
+        file,
+        text,
+        skipped,
+        logos: Token::lexer(text.get(skipped..).unwrap_or_default()),
+        pending_doc: String::new(),
+        line: skipped,
+        seen: skipped,
+        found: Lexed {
+            tokens: Vec::new(),
+            comments: Vec::new(),
+            docs: Vec::new(),
+            errors: Vec::new(),
+            doubtful: Vec::new(),
+            cut: None,
+        },
+    };
+    reader.read_all();
+    reader.found
+}
+
+struct Reader<'a> {
+    file: FileId,
+    text: &'a str,
+    /// The length of the byte-order mark, which `logos` does not see.
+    skipped: usize,
+    logos: logos::Lexer<'a, Token<'a>>,
+    /// The doc comments since the last token.
+    pending_doc: String,
+    /// Where the line at hand begins.
+    line: usize,
+    /// How far lines have been counted.
+    seen: usize,
+    found: Lexed<'a>,
+}
+
+impl<'a> Reader<'a> {
+    fn read_all(&mut self) {
+        while let Some(token) = self.logos.next() {
+            let (start, end) = self.place();
+            match token {
+                Ok(Token::LineComment) => self.comment(start, end),
+                Ok(Token::BlockComment(ended)) => {
+                    self.comment(start, end);
+                    if !ended {
+                        self.unterminated_comment(start);
+                    }
+                }
+                Ok(Token::Number(value)) => self.number(value, start, end),
+                Ok(Token::Text(raw)) => self.quoted(raw, start, end),
+                Ok(Token::Foreign(twin)) => {
+                    let found = self.slice(start, end).to_owned();
+                    self.error(start, end, SyntaxErrorKind::ForeignOperator { found, twin });
+                    if twin == "->" {
+                        // `=>` could be `>=` as well.
+                        self.found.doubtful.push(start as u32);
+                    }
+                    self.push_twin(twin, start, end);
+                }
+                Ok(token) => self.push(token, start, end),
+                Err(()) => self.bad_character(start),
+            }
+            if self.found.errors.len() >= MAX_ERRORS {
+                self.found.cut = Some(self.place().1 as u32);
+                return;
+            }
+        }
+    }
+
+    /// Where the token at hand stands in the text.
+    fn place(&self) -> (usize, usize) {
+        let span = self.logos.span();
+        (span.start + self.skipped, span.end + self.skipped)
+    }
+
+    fn slice(&self, start: usize, end: usize) -> &'a str {
+        self.text.get(start..end).unwrap_or_default()
+    }
+
+    fn error(&mut self, start: usize, end: usize, kind: SyntaxErrorKind) {
+        let span = Span::new(self.file, start as u32, end as u32);
+        self.found.errors.push(SyntaxError { span, kind });
+    }
+
+    fn push(&mut self, token: Token<'a>, start: usize, end: usize) {
+        let gap = self.slice(self.seen, start);
+        let leads = self.found.tokens.is_empty() || gap.contains('\n');
+        if let Some(at) = gap.rfind('\n') {
+            self.line = self.seen + at + 1;
+        }
+        self.seen = end;
+        if !self.pending_doc.is_empty() {
+            self.found.docs.push((start as u32, std::mem::take(&mut self.pending_doc)));
+        }
+        let (start, end, line) = (start as u32, end as u32, self.line as u32);
+        self.found.tokens.push(Placed { token, start, end, line, leads });
+    }
+
+    /// Puts the tokens of `twin` where something else stands for it.
+    fn push_twin(&mut self, twin: &'static str, start: usize, end: usize) {
+        for token in Token::lexer(twin) {
+            self.push(token.unwrap_or(Token::Bad), start, end);
+        }
+    }
+
+    fn comment(&mut self, start: usize, end: usize) {
+        let words = self.slice(start, end);
+        let doc = words.starts_with("///") && !words.starts_with("////");
+        let span = Span::new(self.file, start as u32, end as u32);
+        self.found.comments.push(Comment { span, doc });
+        self.hidden_characters(start, end);
+        if let Some(line) = words.strip_prefix("///").filter(|_| doc) {
+            if !self.pending_doc.is_empty() {
+                self.pending_doc.push('\n');
+            }
+            self.pending_doc.push_str(line.strip_prefix(' ').unwrap_or(line).trim_end());
+        }
+    }
+
+    /// Reports the opening that has no end: the outermost one.
+    fn unterminated_comment(&mut self, start: usize) {
+        self.error(start, start + 2, SyntaxErrorKind::UnterminatedComment);
+        self.found.cut = Some(start as u32);
+    }
+
+    /// Characters that may make a program look like another one are reported even where nothing is read.
+    fn hidden_characters(&mut self, start: usize, end: usize) {
+        let words = self.slice(start, end);
+        if words.is_ascii() {
+            return;
+        }
+        if let Some((at, found)) = words.char_indices().find(|it| foreign::is_hidden(it.1)) {
+            let at = start + at;
+            self.error(at, at + found.len_utf8(), SyntaxErrorKind::BadCharacter { found, twin: None });
+        }
+    }
+
+    fn quoted(&mut self, raw: &'a str, start: usize, end: usize) {
+        if end - start < raw.len() + 2 {
+            self.error(start, start + 1, SyntaxErrorKind::UnterminatedText);
+            self.found.doubtful.push(start as u32);
+        }
+        for (at, length) in text::bad_escapes(raw) {
+            let at = start + 1 + at;
+            self.error(at, at + length, SyntaxErrorKind::BadEscape);
+        }
+        self.hidden_characters(start, end);
+        self.push(Token::Text(raw), start, end);
+    }
+
+    fn number(&mut self, value: f64, start: usize, end: usize) {
+        let junk = junk_after_number(self.logos.remainder());
+        self.logos.bump(junk.len());
+        if !junk.is_empty() {
+            let problem = number_problem(self.slice(start, end), junk);
+            self.error(start, end + junk.len(), SyntaxErrorKind::BadNumber(problem));
+        } else if value.is_infinite() {
+            self.error(start, end, SyntaxErrorKind::BadNumber(NumberProblem::TooLarge));
+        }
+        let value = if value.is_finite() { value } else { f64::MAX };
+        self.push(Token::Number(value), start, end + junk.len());
+    }
+
+    /// Reports the character at `start`, which no token begins with, and goes on with what was probably meant.
+    fn bad_character(&mut self, start: usize) {
+        let Some(found) = self.text.get(start..).and_then(|it| it.chars().next()) else { return };
+        if let Some(closing) = foreign::closing_quotes(found) {
+            let line = self.logos.remainder().split('\n').next().unwrap_or_default();
+            if let Some(at) = line.find(closing) {
+                let mark = line.get(at..).and_then(|it| it.chars().next()).map_or(1, char::len_utf8);
+                return self.foreign_quotes(found, start, at, mark);
+            }
+        }
+        let twin = foreign::twin(found);
+        self.error(start, start + found.len_utf8(), SyntaxErrorKind::BadCharacter { found, twin });
+        match twin {
+            _ if foreign::is_blank(found) => self.skip(foreign::is_blank),
+            _ if found.is_alphabetic() => self.foreign_word(start),
+            Some(twin) if twin != "\"" => self.push_twin(twin, start, start + found.len_utf8()),
+            _ => {
+                self.skip(|it| !it.is_ascii() && !it.is_alphanumeric() && foreign::twin(it).is_none());
+                self.push(Token::Bad, start, self.place().1);
+            }
+        }
+    }
+
+    /// Leaves out what follows as long as it is of one kind.
+    fn skip(&mut self, kind: impl Fn(char) -> bool) {
+        let rest = self.logos.remainder();
+        let length = rest.find(|it| !kind(it) || it == '\n').unwrap_or(rest.len());
+        self.logos.bump(length);
+    }
+
+    /// A word with a foreign letter in it is a name, together with the letters before and after.
+    fn foreign_word(&mut self, start: usize) {
+        self.skip(|it| it.is_alphanumeric() || it == '_');
+        let end = self.place().1;
+        let head = self.found.tokens.last().copied().filter(|it| it.end as usize == start);
+        let head = head.map(|it| it.start as usize).filter(|&at| is_word(self.slice(at, start)));
+        match head {
+            Some(at) => {
+                if let Some(last) = self.found.tokens.last_mut() {
+                    last.token = Token::Name(self.text.get(at..end).unwrap_or_default());
+                    last.end = end as u32;
+                }
+                self.seen = end;
+            }
+            None => self.push(Token::Name(self.slice(start, end)), start, end),
+        }
+    }
+
+    /// A text between quotes of another language; the closing one is `mark` bytes long, `at` bytes further on.
+    fn foreign_quotes(&mut self, found: char, start: usize, at: usize, mark: usize) {
+        let first = start + found.len_utf8();
+        self.logos.bump(at + mark);
+        let twin = Some("\"");
+        self.error(start, first, SyntaxErrorKind::BadCharacter { found, twin });
+        self.push(Token::Text(self.slice(first, first + at)), start, first + at + mark);
+    }
+}
+
+/// Whether `word` is written like a name or a reserved word.
+fn is_word(word: &str) -> bool {
+    word.starts_with(|it: char| it.is_ascii_alphabetic() || it == '_')
+}
+
+/// The letters, digits and points that touch the end of a number.
+fn junk_after_number(rest: &str) -> &str {
+    let mut length = 0;
+    let mut letters = rest.char_indices().peekable();
+    while let Some((at, letter)) = letters.next() {
+        let is_range = letter == '.' && letters.peek().is_some_and(|it| it.1 == '.');
+        let touches = letter.is_alphabetic() || letter.is_ascii_digit() || letter == '_' || letter == '.';
+        if is_range || !touches {
+            break;
+        }
+        length = at + letter.len_utf8();
+    }
+    let junk = rest.get(..length).unwrap_or_default();
+    // The sign of an exponent that never comes.
+    let signed = matches!(junk, "e" | "E") && rest.get(1..).is_some_and(|it| it.starts_with(['+', '-']));
+    if signed { rest.get(..2).unwrap_or(junk) } else { junk }
+}
+
+/// What is wrong with `number` when `junk` touches it.
+fn number_problem(number: &str, junk: &str) -> NumberProblem {
+    match junk {
+        "e" | "E" | "e+" | "e-" | "E+" | "E-" => NumberProblem::NoExponent,
+        _ if junk.starts_with('.') => {
+            let has_point = number.contains('.') || junk.get(1..).is_some_and(|it| it.starts_with(|it: char| it.is_ascii_digit()));
+            if has_point { NumberProblem::TwoPoints } else { NumberProblem::NothingAfterPoint }
+        }
+        _ if number == "0" && junk.starts_with(['x', 'X', 'b', 'B', 'o', 'O']) => NumberProblem::NotDecimal,
+        _ => NumberProblem::Letters,
+    }
+}

@@ -1,0 +1,347 @@
+//! Marks where items, members and rules end.
+//!
+//! What comes in is balanced, so a statement ends at its `;` or `}`, or else, when that is missing, where the next one
+//! begins or the block around it ends. The marks (`Token::EndItem`, `Token::EndMember`) are what the parser's
+//! error recovery holds on to. A `;` or `,` that is missing beyond doubt is reported and put in.
+//!
+//! This pass also bounds nesting: below [`MAX_NESTING`] the rest of the statement is left out. So the parser's stack and
+//! the tree stay low.
+
+use crate::error::{SyntaxError, SyntaxErrorKind};
+use crate::lexer::Placed;
+use crate::token::Token;
+use crate::{FileId, MAX_ERRORS, MAX_NESTING, Span};
+
+/// A mistake found before the parser runs.
+#[derive(Debug)]
+pub(crate) struct Finding {
+    pub(crate) error: SyntaxError,
+    /// Where it begins to matter, and a place up to whose statement's end what is found may be only its consequence.
+    pub(crate) confuses: Option<(u32, u32)>,
+}
+
+/// What the parser gets to read.
+#[derive(Debug)]
+pub(crate) struct Statements<'a> {
+    pub(crate) tokens: Vec<(u32, Token<'a>, u32)>,
+    /// Where statements end, in order.
+    pub(crate) ends: Vec<u32>,
+}
+
+impl Statements<'_> {
+    /// Where the statement around `offset` ends.
+    pub(crate) fn end_after(&self, offset: u32) -> u32 {
+        let at = self.ends.partition_point(|&end| end <= offset);
+        self.ends.get(at).copied().unwrap_or(u32::MAX)
+    }
+}
+
+/// Adds the marks to `tokens`.
+pub(crate) fn mark<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Statements<'a> {
+    let mut marker = Marker {
+        file,
+        findings,
+        out: Statements { tokens: Vec::with_capacity(tokens.len() + tokens.len() / 8), ends: Vec::new() },
+        levels: vec![Level::new(Block::File)],
+        height: 0,
+        muted: None,
+        last: None,
+    };
+    let mut rest = tokens;
+    while let [token, next @ ..] = rest {
+        marker.read(token, next);
+        rest = next;
+    }
+    marker.close_statement();
+    marker.out
+}
+
+/// What stands between two brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Block {
+    File,
+    /// Of a system.
+    Members,
+    /// Of a `priority` group.
+    Rules,
+    Scene,
+    /// Anything that holds no statements.
+    Other,
+}
+
+/// An open bracket, and the statement at hand in it.
+#[derive(Debug)]
+struct Level<'a> {
+    block: Block,
+    /// The first token of the statement; `None` between statements.
+    first: Option<Token<'a>>,
+    /// Where in the output the last name stands that leads a line and continues nothing.
+    fresh: Option<usize>,
+    /// How many `if`s wait for their `else`.
+    ifs: usize,
+    /// How many signs of exponents hang on one another: `2 ^ -2 ^ -2`.
+    signs: usize,
+}
+
+impl Level<'_> {
+    fn new(block: Block) -> Self {
+        Self { block, first: None, fresh: None, ifs: 0, signs: 0 }
+    }
+
+    fn holds_statements(&self) -> bool {
+        self.block != Block::Other
+    }
+
+    /// Whether the statement at hand ends with a brace rather than a `;`.
+    fn ends_with_brace(&self) -> bool {
+        match self.block {
+            Block::File => !matches!(
+                self.first,
+                Some(Token::Use | Token::Param | Token::Let | Token::Fn)
+            ),
+            Block::Members => matches!(self.first, Some(Token::Calc | Token::Priority)),
+            Block::Scene => self.first != Some(Token::Show),
+            Block::Rules | Block::Other => false,
+        }
+    }
+
+    /// What stands between the braces that open now.
+    fn block_of_brace(&self) -> Block {
+        match (self.block, self.first) {
+            (Block::File, Some(Token::Csg | Token::Shape | Token::Hull)) => Block::Members,
+            (Block::File, Some(Token::Scene)) => Block::Scene,
+            (Block::Members, Some(Token::Priority)) => Block::Rules,
+            _ => Block::Other,
+        }
+    }
+}
+
+struct Marker<'a, 'f> {
+    file: FileId,
+    findings: &'f mut Vec<Finding>,
+    out: Statements<'a>,
+    levels: Vec<Level<'a>>,
+    /// How deep the token at hand is nested.
+    height: usize,
+    /// Which level's statement is left out from here on, since it is nested too deep.
+    muted: Option<usize>,
+    last: Option<Placed<'a>>,
+}
+
+impl<'a> Marker<'a, '_> {
+    fn read(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
+        if self.begins_statement(token.token, rest) {
+            self.close_statement();
+        }
+        self.missing_comma(token, rest);
+        self.count_nesting(token);
+        match token.token {
+            it if it.closer().is_some() => self.open(token),
+            it if it.is_closer() => self.close(token),
+            Token::Semicolon => self.semicolon(token),
+            Token::Replace | Token::Append => self.arrow(token),
+            _ => self.push(token),
+        }
+        self.last = Some(*token);
+    }
+
+    /// Whether a statement begins here, no matter whether the one before has its end.
+    fn begins_statement(&self, token: Token<'a>, rest: &[Placed<'a>]) -> bool {
+        let Some(level) = self.levels.last().filter(|it| it.first.is_some()) else { return false };
+        let next = |at: usize| rest.get(at).map(|it| it.token);
+        match level.block {
+            Block::File => token.begins_item(next(0)) || matches!(token, Token::Let | Token::Fn),
+            Block::Members | Block::Rules => {
+                let begins_label = token.is_name() && next(0) == Some(Token::Colon);
+                begins_label || token.begins_member() && !self.stands_for_name(next(0))
+            }
+            Block::Scene => {
+                let begins_record = || match (next(0), next(1), next(2)) {
+                    (Some(Token::OpenCurly), Some(Token::CloseCurly), _) => true,
+                    (Some(Token::OpenCurly), Some(name), Some(Token::Colon)) => name.is_name(),
+                    _ => false,
+                };
+                token == Token::Show || token.is_name() && begins_record()
+            }
+            Block::Other => false,
+        }
+    }
+
+    /// Whether a reserved word at hand was meant as a name.
+    fn stands_for_name(&self, next: Option<Token<'a>>) -> bool {
+        let needs_name = self.last.is_some_and(|it| it.token.reserved_word().is_some() && !it.token.ends_value());
+        needs_name || next == Some(Token::Assign)
+    }
+
+    /// Where `name:` follows a value without a comma, one is put in: nothing else begins like this.
+    fn missing_comma(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
+        let begins_part = token.token.is_name() && rest.first().is_some_and(|it| it.token == Token::Colon);
+        let in_brackets = self.levels.last().is_some_and(|it| !it.holds_statements());
+        let Some(last) = self.last.filter(|it| begins_part && in_brackets && it.token.ends_value()) else { return };
+        self.insert(Token::Comma, last.end);
+        self.report(last.end, last.end, SyntaxErrorKind::MissingComma, None);
+    }
+
+    fn open(&mut self, token: &Placed<'a>) {
+        let is_brace = token.token == Token::OpenCurly;
+        let statement = self.levels.last().filter(|it| is_brace && it.ends_with_brace());
+        let block = statement.map_or(Block::Other, Level::block_of_brace);
+        let opening = if statement.is_some() { Token::OpenBlock } else { token.token };
+        self.push(&Placed { token: opening, ..*token });
+        self.levels.push(Level::new(block));
+        self.height += 1;
+        self.check_nesting(token);
+    }
+
+    fn close(&mut self, token: &Placed<'a>) {
+        self.close_statement();
+        if self.levels.len() > 1
+            && let Some(level) = self.levels.pop()
+        {
+            self.height -= 1 + level.ifs + level.signs;
+        }
+        self.push(token);
+        let ends = token.token == Token::CloseCurly
+            && self.levels.last().is_some_and(|it| it.holds_statements() && it.ends_with_brace());
+        if ends {
+            self.end_statement(token.end);
+        }
+    }
+
+    fn semicolon(&mut self, token: &Placed<'a>) {
+        self.push(token);
+        if self.levels.last().is_some_and(Level::holds_statements) {
+            self.end_statement(token.end);
+        }
+    }
+
+    /// A name that leads a line and continues nothing begins the rule that an arrow belongs to: before it a `;` is
+    /// missing.
+    fn arrow(&mut self, token: &Placed<'a>) {
+        if let Some(level) = self.levels.last_mut().filter(|it| it.holds_statements()) {
+            if let Some(at) = level.fresh.take() {
+                self.split(at);
+            }
+        }
+        self.push(token);
+    }
+
+    /// Ends the statement before the token at `at` of the output.
+    fn split(&mut self, at: usize) {
+        if self.muted.is_some() {
+            return;
+        }
+        let tail = self.out.tokens.split_off(at);
+        let Some(&(_, before, end)) = self.out.tokens.last() else { return };
+        self.missing_semicolon(before, end);
+        self.mark_end(end);
+        if let (Some(level), Some(head)) = (self.levels.last_mut(), tail.first()) {
+            level.first = Some(head.1);
+        }
+        self.out.tokens.extend(tail);
+    }
+
+    /// Ends a statement that has no end of its own.
+    fn close_statement(&mut self) {
+        let Some(level) = self.levels.last().filter(|it| it.holds_statements() && it.first.is_some()) else { return };
+        let Some(last) = self.last else { return };
+        if !level.ends_with_brace() {
+            self.missing_semicolon(last.token, last.end);
+        }
+        self.end_statement(last.end);
+    }
+
+    /// Puts in a `;` after `before`, unless more is missing than that.
+    fn missing_semicolon(&mut self, before: Token<'a>, end: u32) {
+        if before.ends_value() {
+            self.insert(Token::Semicolon, end);
+            self.report(end, end, SyntaxErrorKind::MissingSemicolon, None);
+        }
+    }
+
+    fn end_statement(&mut self, end: u32) {
+        let depth = self.levels.len();
+        if let Some(level) = self.levels.last_mut() {
+            self.height -= level.ifs + level.signs;
+            *level = Level::new(level.block);
+        }
+        if self.muted == Some(depth) {
+            self.muted = None;
+        }
+        self.mark_end(end);
+    }
+
+    fn mark_end(&mut self, end: u32) {
+        let is_item = self.levels.len() == 1;
+        self.insert(if is_item { Token::EndItem } else { Token::EndMember }, end);
+        if self.muted.is_none() {
+            self.out.ends.push(end);
+        }
+    }
+
+    fn push(&mut self, token: &Placed<'a>) {
+        let at = self.out.tokens.len();
+        let continues = !self.last.is_some_and(|it| it.token.ends_value());
+        if let Some(level) = self.levels.last_mut() {
+            if level.first.is_none() {
+                level.first = Some(token.token);
+            } else if token.token.is_name() && token.leads && !continues {
+                level.fresh = Some(at);
+            }
+        }
+        if self.muted.is_none() {
+            self.out.tokens.push((token.start, token.token, token.end));
+        }
+    }
+
+    /// Adds a token that is not in the text.
+    fn insert(&mut self, token: Token<'a>, at: u32) {
+        if self.muted.is_none() {
+            self.out.tokens.push((at, token, at));
+        }
+    }
+
+    /// Counts what nests without brackets: `if if if a then ...` and `2 ^ -2 ^ -2`.
+    fn count_nesting(&mut self, token: &Placed<'a>) {
+        let last = self.last.map(|it| it.token);
+        let Some(level) = self.levels.last_mut() else { return };
+        let before = level.ifs + level.signs;
+        match token.token {
+            Token::If if last != Some(Token::Else) => level.ifs += 1,
+            Token::Else => level.ifs = level.ifs.saturating_sub(1),
+            Token::Minus if last == Some(Token::Caret) => level.signs += 1,
+            Token::Comma | Token::Semicolon | Token::OpenCurly | Token::Replace | Token::Append | Token::At => {
+                (level.ifs, level.signs) = (0, 0);
+            }
+            _ => {}
+        }
+        let keeps_signs = matches!(
+            token.token,
+            Token::Caret | Token::Dot | Token::Name(_) | Token::Number(_) | Token::Text(_) | Token::True | Token::False
+        );
+        let is_bracket = token.token.closer().is_some() || token.token.is_closer();
+        let is_sign = token.token == Token::Minus && matches!(last, Some(Token::Caret | Token::Minus));
+        if !(keeps_signs || is_bracket || is_sign) {
+            level.signs = 0;
+        }
+        self.height = self.height - before + level.ifs + level.signs;
+        self.check_nesting(token);
+    }
+
+    /// Leaves out the rest of the statement when it is nested too deep.
+    fn check_nesting(&mut self, token: &Placed<'a>) {
+        if self.height <= MAX_NESTING || self.muted.is_some() {
+            return;
+        }
+        let Some(at) = self.levels.iter().rposition(Level::holds_statements) else { return };
+        self.report(token.start, token.end, SyntaxErrorKind::NestingTooDeep, Some((token.start, token.start)));
+        self.muted = Some(at + 1);
+    }
+
+    fn report(&mut self, start: u32, end: u32, kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {
+        if self.muted.is_none() && self.findings.len() < MAX_ERRORS {
+            let error = SyntaxError { span: Span::new(self.file, start, end), kind };
+            self.findings.push(Finding { error, confuses });
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The unit primitives.
+
+use glam::DVec3;
+
+use super::aabb::Aabb;
+use super::ball;
+use super::chord::{Chord, Chords, Crossing};
+use super::flat::{self, HalfSpace};
+use super::frustum;
+use super::quadric::Quadric;
+use super::ray::Ray;
+use super::sheet;
+use super::solve::{power_of_two_below, unit};
+use super::torus;
+use crate::form::PrimitiveKind;
+
+/// One of the unit solids (or surfaces) that scenes are made of, in its own frame.
+///
+/// **Faces** are numbered: those of a cylinder or a cone 0 round, 1 at z = 0, 2 at z = 1; those of a box x = -1, x = 1, y = -1,
+/// y = 1, z = -1, z = 1; the face of a tetrahedron lies opposite the vertex of its number in the list of [`PrimitiveKind`]. All
+/// others have face 0 alone.
+///
+/// **Lines that run in a face** are inside all the way or never: a line that starts on the face never, any other if the solid's
+/// inequality holds there. A line that only touches a round face does not meet it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Primitive {
+    shape: Shape,
+}
+
+/// A kind with its parameters, checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    Sphere,
+    Cylinder,
+    Cone { r0: f64, r1: f64 },
+    Box,
+    Tetrahedron,
+    Torus { r: f64 },
+    Triangle,
+    HalfSpace(HalfSpace),
+    Ellipsoid { axes: DVec3 },
+    Hyperboloid { axes: DVec3 },
+    Paraboloid { axes: DVec3 },
+    Quadric(Quadric),
+}
+
+impl Primitive {
+    /// The primitive of this kind with these parameters, in the order of [`PrimitiveKind`].
+    ///
+    /// `None` when they make no solid: a wrong count, a number that is not finite, a negative radius or two that are 0, a
+    /// radius of a torus or a half axis that is not positive, a half-space without a normal, a quadric whose q1 to q9 are 0. A
+    /// torus may have r > 1 (then it has no hole), and a quadric may be imaginary: it is empty.
+    pub fn new(kind: PrimitiveKind, params: &[f64]) -> Option<Self> {
+        if !params.iter().all(|it| it.is_finite()) {
+            return None;
+        }
+        let shape = match (kind, params) {
+            (PrimitiveKind::Sphere, &[]) => Shape::Sphere,
+            (PrimitiveKind::Cylinder, &[]) => Shape::Cylinder,
+            (PrimitiveKind::Cone, &[r0, r1]) if r0 >= 0.0 && r1 >= 0.0 && r0 + r1 > 0.0 => Shape::Cone { r0, r1 },
+            (PrimitiveKind::Box, &[]) => Shape::Box,
+            (PrimitiveKind::Tetrahedron, &[]) => Shape::Tetrahedron,
+            (PrimitiveKind::Torus, &[r]) if r > 0.0 => Shape::Torus { r },
+            (PrimitiveKind::Triangle, &[]) => Shape::Triangle,
+            (PrimitiveKind::HalfSpace, &[x, y, z, d]) => Shape::HalfSpace(HalfSpace::new(DVec3::new(x, y, z), d)?),
+            (PrimitiveKind::Ellipsoid, &[a, b, c]) => Shape::Ellipsoid { axes: half_axes(a, b, c)? },
+            (PrimitiveKind::Hyperboloid, &[a, b, c]) => Shape::Hyperboloid { axes: half_axes(a, b, c)? },
+            (PrimitiveKind::Paraboloid, &[a, b]) => Shape::Paraboloid { axes: half_axes(a, b, 1.0)? },
+            (PrimitiveKind::Quadric, &[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0]) => {
+                Shape::Quadric(Quadric::new(&[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0])?)
+            }
+            _ => return None,
+        };
+        Some(Self { shape })
+    }
+
+    /// Its kind.
+    pub fn kind(&self) -> PrimitiveKind {
+        match self.shape {
+            Shape::Sphere => PrimitiveKind::Sphere,
+            Shape::Cylinder => PrimitiveKind::Cylinder,
+            Shape::Cone { .. } => PrimitiveKind::Cone,
+            Shape::Box => PrimitiveKind::Box,
+            Shape::Tetrahedron => PrimitiveKind::Tetrahedron,
+            Shape::Torus { .. } => PrimitiveKind::Torus,
+            Shape::Triangle => PrimitiveKind::Triangle,
+            Shape::HalfSpace(_) => PrimitiveKind::HalfSpace,
+            Shape::Ellipsoid { .. } => PrimitiveKind::Ellipsoid,
+            Shape::Hyperboloid { .. } => PrimitiveKind::Hyperboloid,
+            Shape::Paraboloid { .. } => PrimitiveKind::Paraboloid,
+            Shape::Quadric(_) => PrimitiveKind::Quadric,
+        }
+    }
+
+    /// Whether it has an inside.
+    pub fn is_solid(&self) -> bool {
+        self.kind().is_solid()
+    }
+
+    /// The smallest box around it. It may be infinite; it is empty for an imaginary quadric.
+    pub fn bounds(&self) -> Aabb {
+        let supports = match &self.shape {
+            Shape::Quadric(quadric) => quadric.axis_supports(),
+            _ => [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z].map(|it| self.support(it)),
+        };
+        let [x, y, z, low_x, low_y, low_z] = supports;
+        let bounds = Aabb { min: -DVec3::new(low_x, low_y, low_z), max: DVec3::new(x, y, z) };
+        if bounds.is_empty() { Aabb::EMPTY } else { bounds }
+    }
+
+    /// The greatest `direction · p` of all its points p: infinite where it does not end, minus infinity if it has no points.
+    pub fn support(&self, direction: DVec3) -> f64 {
+        match &self.shape {
+            Shape::Sphere => direction.length(),
+            Shape::Cylinder => frustum::support(1.0, 1.0, direction),
+            Shape::Cone { r0, r1 } => frustum::support(*r0, *r1, direction),
+            Shape::Box => direction.abs().element_sum(),
+            Shape::Tetrahedron => furthest(&flat::TETRAHEDRON, direction),
+            Shape::Torus { r } => direction.truncate().length() + r * direction.length(),
+            Shape::Triangle => furthest(&flat::TRIANGLE, direction),
+            Shape::HalfSpace(half_space) => half_space.support(direction),
+            Shape::Ellipsoid { axes } => (*axes * direction).length(),
+            Shape::Hyperboloid { axes } => sheet::hyperboloid_support(*axes * direction),
+            Shape::Paraboloid { axes } => sheet::paraboloid_support(*axes * direction),
+            Shape::Quadric(quadric) => quadric.support(direction),
+        }
+    }
+
+    /// The pieces of the whole line inside it, t from minus infinity to infinity; none for a surface.
+    ///
+    /// With `from`, the ray starts on that face: of the face's crossings the one nearest 0 is exactly at 0, and the other is
+    /// found as if the start were exactly on it. So a ray that leaves a convex solid never meets it again.
+    #[inline]
+    pub fn chords(&self, ray: &Ray, from: Option<u8>) -> Chords {
+        if !is_in_range(ray) {
+            return self.rescaled_chords(ray, from);
+        }
+        match &self.shape {
+            Shape::Torus { r } => torus::chords(*r, ray, from.is_some()),
+            Shape::Quadric(quadric) => quadric.chords(ray.origin, ray.direction, from.is_some()),
+            _ => self.convex_chord(ray, from).into_iter().collect(),
+        }
+    }
+
+    /// The one chord of a convex solid.
+    #[inline]
+    fn convex_chord(&self, ray: &Ray, from: Option<u8>) -> Option<Chord> {
+        let (origin, direction) = (ray.origin, ray.direction);
+        match &self.shape {
+            Shape::Sphere => Chord::of_span(ball::span(origin, direction, from.is_some())?),
+            Shape::Cylinder => frustum::cylinder(ray, from),
+            Shape::Cone { r0, r1 } => frustum::cone(*r0, *r1, ray, from),
+            Shape::Box => flat::cube(ray, from),
+            Shape::Tetrahedron => flat::tetrahedron(ray, from),
+            Shape::HalfSpace(half_space) => half_space.chord(ray, from),
+            Shape::Ellipsoid { axes } => Chord::of_span(ball::span(origin / axes, direction / axes, from.is_some())?),
+            Shape::Hyperboloid { axes } => {
+                Chord::of_span(sheet::hyperboloid(origin / axes, direction / axes, from.is_some())?)
+            }
+            Shape::Paraboloid { axes } => {
+                Chord::of_span(sheet::paraboloid(origin / axes, direction / axes, from.is_some())?)
+            }
+            Shape::Triangle | Shape::Torus { .. } | Shape::Quadric(_) => None,
+        }
+    }
+
+    /// The chords for a direction so long or so short that its square is out of range: the same line in other units.
+    #[cold]
+    fn rescaled_chords(&self, ray: &Ray, from: Option<u8>) -> Chords {
+        let Some(scale) = power_of_two_below(ray.direction.abs().max_element()) else {
+            return Chords::new();
+        };
+        let direction = ray.direction / scale;
+        let ray = Ray { origin: ray.origin, direction };
+        if !is_in_range(&ray) {
+            return Chords::new();
+        }
+        let end = |it: Crossing| Crossing { t: it.t / scale, face: it.face };
+        let chords = self.chords(&ray, from);
+        chords.iter().filter_map(|it| Chord::new(end(it.near), end(it.far))).collect()
+    }
+
+    /// Where the line meets a surface without an inside, perhaps at a negative t; `None` for a solid.
+    ///
+    /// A ray that starts on the surface (`from`) does not meet it.
+    #[inline]
+    pub fn crossing(&self, ray: &Ray, from: Option<u8>) -> Option<Crossing> {
+        match self.shape {
+            Shape::Triangle if from.is_none() => flat::triangle(ray),
+            _ => None,
+        }
+    }
+
+    /// The normal of a face at a point of it: outwards, of length 1. A triangle's is up.
+    ///
+    /// Where there is none, as at a cone's apex, it is a direction that leads out.
+    pub fn normal(&self, point: DVec3, face: u8) -> DVec3 {
+        match &self.shape {
+            Shape::Sphere => unit(point),
+            Shape::Cylinder => frustum::normal(1.0, 1.0, point, face),
+            Shape::Cone { r0, r1 } => frustum::normal(*r0, *r1, point, face),
+            Shape::Box => flat::cube_normal(face),
+            Shape::Tetrahedron => flat::tetrahedron_normal(face),
+            Shape::Torus { .. } => torus::normal(point),
+            Shape::Triangle => DVec3::Z,
+            Shape::HalfSpace(half_space) => unit(half_space.normal),
+            Shape::Ellipsoid { axes } => unit(unit(point / axes) / axes),
+            Shape::Hyperboloid { axes } => unit(sheet::hyperboloid_gradient(point / axes) / axes),
+            Shape::Paraboloid { axes } => unit(sheet::paraboloid_gradient(point / axes) / axes),
+            Shape::Quadric(quadric) => quadric.normal(point),
+        }
+    }
+}
+
+/// Directions between these have squares and fourth powers within range.
+const LEAST_DIRECTION: f64 = 1e-70;
+const GREATEST_DIRECTION: f64 = 1e70;
+
+/// An origin further away has no digits left to say where a unit solid is.
+const GREATEST_ORIGIN: f64 = 1e150;
+
+/// Whether squares of all its numbers can be computed with; not if one of them is not a number.
+#[inline]
+fn is_in_range(ray: &Ray) -> bool {
+    let direction = ray.direction.abs();
+    ray.origin.abs().cmple(DVec3::splat(GREATEST_ORIGIN)).all()
+        && direction.cmple(DVec3::splat(GREATEST_DIRECTION)).all()
+        && direction.max_element() >= LEAST_DIRECTION
+}
+
+/// Half axes: positive, and so that one can divide by them.
+fn half_axes(a: f64, b: f64, c: f64) -> Option<DVec3> {
+    let axes = DVec3::new(a, b, c);
+    (axes.min_element() > 0.0 && axes.recip().is_finite()).then_some(axes)
+}
+
+/// The greatest `direction · p` of some points.
+fn furthest(points: &[DVec3], direction: DVec3) -> f64 {
+    points.iter().map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+}

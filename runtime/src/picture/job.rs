@@ -1,0 +1,169 @@
+//! The work of one picture, shared out to threads.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::camera::Rays;
+use super::light::Lights;
+use super::pixel::{Hit, Pixel};
+use super::sampling::filter_offset;
+use super::shade::Shader;
+use super::tile::{Painter, Setting, Stop};
+use super::view::View;
+use super::{Layers, Picture, RayCounts, Rect, Watch};
+use crate::fault::{Fault, FaultKind};
+use crate::form::{Camera, Origin, Scene};
+use crate::trace::Tracer;
+
+/// Renders what the view says.
+pub(super) fn render(
+    scene: &Scene,
+    view: &View,
+    camera: &Camera,
+    tracer: &dyn Tracer,
+    watch: &dyn Watch,
+) -> Result<Picture, Fault> {
+    let rays = Rays::new(camera, view.width, view.height);
+    let shader = Shader::new(scene, Lights::new(scene, &rays));
+    let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
+    let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, watch };
+    let job = Job::new(setting, blank(view, scene));
+    // Each of these takes tile after tile, so that buffers are made once a thread.
+    (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());
+    job.finish()
+}
+
+/// A picture on which nothing is seen yet.
+fn blank(view: &View, scene: &Scene) -> Picture {
+    let pixels = view.crop.width as usize * view.crop.height as usize;
+    let layers = view.layers.then(|| Layers {
+        depth: vec![f32::INFINITY; pixels],
+        normal: vec![[0.0; 3]; pixels],
+        position: vec![[0.0; 3]; pixels],
+        material: vec![0; pixels],
+        materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
+    });
+    Picture {
+        width: view.width,
+        height: view.height,
+        crop: view.crop,
+        color: vec![[0.0; 4]; pixels],
+        layers,
+        rays: RayCounts::default(),
+    }
+}
+
+/// A picture in the making, and what its threads tell each other.
+struct Job<'a> {
+    setting: Setting<'a>,
+    picture: Mutex<Picture>,
+    /// The next tile to be taken.
+    next: AtomicU64,
+    /// How many pixels are done.
+    done: AtomicU64,
+    interrupted: AtomicBool,
+    /// The number of the lowest pixel known to have a fault.
+    bound: AtomicU64,
+    fault: Mutex<Option<(u64, Fault)>>,
+}
+
+impl<'a> Job<'a> {
+    fn new(setting: Setting<'a>, picture: Picture) -> Self {
+        Self {
+            setting,
+            picture: Mutex::new(picture),
+            next: AtomicU64::new(0),
+            done: AtomicU64::new(0),
+            interrupted: AtomicBool::new(false),
+            bound: AtomicU64::new(u64::MAX),
+            fault: Mutex::new(None),
+        }
+    }
+
+    /// Takes tiles until none is left that matters.
+    fn work(&self) {
+        let mut painter = Painter::new(self.setting);
+        while let Some(tile) = self.take() {
+            match painter.paint(&tile) {
+                Ok(pixels) => self.put(pixels),
+                Err(Stop::Interrupted) => self.interrupted.store(true, Ordering::Relaxed),
+                Err(Stop::Fault(pixel, fault)) => self.report(pixel, *fault),
+            }
+        }
+        let counts = painter.counts();
+        let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+        picture.rays.camera += counts.camera;
+        picture.rays.shadow += counts.shadow;
+    }
+
+    /// The next tile. The first pixels of tiles come in order: past a fault there is no lower one.
+    fn take(&self) -> Option<Rect> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return None;
+        }
+        let tile = tile(self.setting.view, self.next.fetch_add(1, Ordering::Relaxed))?;
+        (self.number((tile.x, tile.y)) < self.bound.load(Ordering::Relaxed)).then_some(tile)
+    }
+
+    fn put(&self, pixels: &[Pixel]) {
+        let crop = self.setting.view.crop;
+        let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+        for pixel in pixels {
+            let (x, y) = (pixel.place.0 - crop.x, pixel.place.1 - crop.y);
+            let index = y as usize * crop.width as usize + x as usize;
+            picture.color[index] = pixel.color();
+            if let (Some(layers), Some(hit)) = (&mut picture.layers, &pixel.centre) {
+                layers.set(index, hit);
+            }
+        }
+        drop(picture);
+        let count = pixels.len() as u64;
+        let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
+        self.setting.watch.progress(done, u64::from(crop.width) * u64::from(crop.height));
+    }
+
+    fn report(&self, pixel: (u32, u32), fault: Fault) {
+        let number = self.number(pixel);
+        self.bound.fetch_min(number, Ordering::Relaxed);
+        let mut lowest = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+        if lowest.as_ref().is_none_or(|(known, _)| number < *known) {
+            *lowest = Some((number, fault));
+        }
+    }
+
+    fn finish(self) -> Result<Picture, Fault> {
+        if self.interrupted.into_inner() {
+            return Err(Fault::new(FaultKind::Interrupted, Origin::NONE));
+        }
+        match self.fault.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some((_, fault)) => Err(fault),
+            None => Ok(self.picture.into_inner().unwrap_or_else(PoisonError::into_inner)),
+        }
+    }
+
+    /// A pixel's number in the whole picture, row by row.
+    fn number(&self, (x, y): (u32, u32)) -> u64 {
+        u64::from(y) * u64::from(self.setting.view.width) + u64::from(x)
+    }
+}
+
+impl Layers {
+    fn set(&mut self, index: usize, hit: &Hit) {
+        self.depth[index] = hit.depth as f32;
+        self.normal[index] = hit.normal.as_vec3().to_array();
+        self.position[index] = hit.position.as_vec3().to_array();
+        self.material[index] = hit.material.map_or(1, |material| material.0.saturating_add(2));
+    }
+}
+
+/// The tile of this number, row by row; at the right and lower border tiles are smaller.
+fn tile(view: &View, number: u64) -> Option<Rect> {
+    let Rect { x, y, width, height } = view.crop;
+    let columns = u64::from(width.div_ceil(view.tile));
+    let left = (number % columns) as u32 * view.tile;
+    let top = u32::try_from(number / columns).ok()?.checked_mul(view.tile).filter(|top| *top < height)?;
+    Some(Rect { x: x + left, y: y + top, width: view.tile.min(width - left), height: view.tile.min(height - top) })
+}

@@ -1,0 +1,205 @@
+//! Tiles: the pixels of a small square, from rays to colours.
+
+use glam::DVec2;
+
+use super::camera::Rays;
+use super::pixel::{Hit, Pixel};
+use super::shade::{Key, Scratch, Shader};
+use super::view::View;
+use super::{RayCounts, Rect, Watch};
+use crate::fault::Fault;
+use crate::geometry::Ray;
+use crate::trace::{RayFault, Sample, Tracer};
+
+/// How many rays go to the tracer at once: enough for its packets, few enough that their samples stay in cache.
+const BATCH: usize = 256;
+
+/// All that tiles share.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
+    pub(super) view: &'a View,
+    pub(super) rays: &'a Rays,
+    /// Where the samples of a pixel lie, from its centre; as many as it has at most.
+    pub(super) offsets: &'a [DVec2],
+    pub(super) shader: &'a Shader,
+    pub(super) tracer: &'a dyn Tracer,
+    pub(super) watch: &'a dyn Watch,
+}
+
+/// Why a tile did not come to its end.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// A fault, at this pixel.
+    Fault((u32, u32), Box<Fault>),
+    /// The watch wished it.
+    Interrupted,
+}
+
+/// Paints one tile after another, and keeps its buffers.
+pub(super) struct Painter<'a> {
+    setting: Setting<'a>,
+    pixels: Vec<Pixel>,
+    active: Vec<u32>,
+    keys: Vec<Key>,
+    camera_rays: Vec<Ray>,
+    samples: Vec<Sample>,
+    scratch: Scratch,
+    camera_count: u64,
+}
+
+impl<'a> Painter<'a> {
+    pub(super) fn new(setting: Setting<'a>) -> Self {
+        Self {
+            setting,
+            pixels: Vec::new(),
+            active: Vec::new(),
+            keys: Vec::new(),
+            camera_rays: Vec::new(),
+            samples: Vec::new(),
+            scratch: Scratch::default(),
+            camera_count: 0,
+        }
+    }
+
+    /// How many rays it has traced.
+    pub(super) fn counts(&self) -> RayCounts {
+        RayCounts { camera: self.camera_count, shadow: self.scratch.shadow_count }
+    }
+
+    /// Makes the pixels of a rectangle, in no order.
+    ///
+    /// # Errors
+    /// The fault of the rectangle's lowest pixel that meets one; or the watch's wish.
+    pub(super) fn paint(&mut self, rect: &Rect) -> Result<&[Pixel], Stop> {
+        let (x, y) = (rect.x, rect.y);
+        match self.run(along_z(rect.width, rect.height).map(|(dx, dy)| (x + dx, y + dy))) {
+            Ok(()) => Ok(&self.pixels),
+            Err(Stop::Interrupted) => Err(Stop::Interrupted),
+            Err(Stop::Fault(pixel, fault)) => Err(self.lowest(rect, pixel, fault)),
+        }
+    }
+
+    /// A batch knows its lowest ray, and its rays are not in the order of pixels: looks for the lowest pixel, one by one.
+    fn lowest(&mut self, rect: &Rect, known: (u32, u32), fault: Box<Fault>) -> Stop {
+        for y in rect.y..rect.y + rect.height {
+            for x in rect.x..rect.x + rect.width {
+                if let Err(stop) = self.run(std::iter::once((x, y))) {
+                    return stop;
+                }
+            }
+        }
+        Stop::Fault(known, fault)
+    }
+
+    fn run(&mut self, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
+        self.pixels.clear();
+        self.pixels.extend(places.map(Pixel::new));
+        self.active.clear();
+        self.active.extend(0..self.pixels.len() as u32);
+        let View { samples, most, layers, .. } = *self.setting.view;
+        if layers && samples > 1 {
+            self.look_through_centres()?;
+        }
+        let mut done = 0;
+        let mut until = samples;
+        while done < until && !self.active.is_empty() {
+            self.add_samples(done, until)?;
+            let pixels = &self.pixels;
+            let base = done == 0;
+            self.active.retain(|slot| pixels[*slot as usize].needs_more(base));
+            done = until;
+            until = until.saturating_mul(2).min(most);
+        }
+        Ok(())
+    }
+
+    /// Finds what the layers show. Where there is one sample a pixel, that one finds it.
+    fn look_through_centres(&mut self) -> Result<(), Stop> {
+        for start in (0..self.active.len()).step_by(BATCH) {
+            let end = (start + BATCH).min(self.active.len());
+            self.begin_batch();
+            for number in start..end {
+                self.add_ray(self.active[number], 0, DVec2::ZERO);
+            }
+            self.look()?;
+            self.keep_centres();
+        }
+        Ok(())
+    }
+
+    /// Adds the samples `from..to` to all active pixels. Those of one pixel follow each other.
+    fn add_samples(&mut self, from: u32, to: u32) -> Result<(), Stop> {
+        let offsets = self.setting.offsets;
+        self.begin_batch();
+        for number in 0..self.active.len() {
+            for (sample, offset) in (from..to).zip(&offsets[from as usize..to as usize]) {
+                self.add_ray(self.active[number], sample, *offset);
+                if self.keys.len() == BATCH {
+                    self.flush()?;
+                }
+            }
+        }
+        self.flush()
+    }
+
+    fn begin_batch(&mut self) {
+        self.keys.clear();
+        self.camera_rays.clear();
+    }
+
+    fn add_ray(&mut self, slot: u32, sample: u32, offset: DVec2) {
+        let pixel = self.pixels[slot as usize].place;
+        let at = DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset;
+        self.keys.push(Key { slot, pixel, sample });
+        self.camera_rays.push(self.setting.rays.through(at.x, at.y));
+    }
+
+    fn flush(&mut self) -> Result<(), Stop> {
+        let setting = self.setting;
+        if self.keys.is_empty() {
+            return Ok(());
+        }
+        self.look()?;
+        if setting.view.layers && setting.view.samples == 1 {
+            self.keep_centres();
+        }
+        let shaded = setting.shader.shade(setting.tracer, &self.camera_rays, &self.keys, &mut self.samples, &mut self.scratch);
+        shaded.map_err(|fault| self.stop(fault))?;
+        for ((key, color), sample) in self.keys.iter().zip(&self.scratch.colors).zip(&self.samples) {
+            self.pixels[key.slot as usize].add(*color, sample.fragments.first(), setting.rays);
+        }
+        self.begin_batch();
+        Ok(())
+    }
+
+    fn look(&mut self) -> Result<(), Stop> {
+        if self.setting.watch.interrupted() {
+            return Err(Stop::Interrupted);
+        }
+        self.camera_count += self.camera_rays.len() as u64;
+        self.setting.tracer.look(&self.camera_rays, &mut self.samples).map_err(|fault| self.stop(fault))
+    }
+
+    fn keep_centres(&mut self) {
+        let forward = self.setting.rays.forward();
+        for ((key, sample), ray) in self.keys.iter().zip(&self.samples).zip(&self.camera_rays) {
+            self.pixels[key.slot as usize].centre = Hit::of(&sample.fragments, ray.direction.dot(forward));
+        }
+    }
+
+    fn stop(&self, fault: RayFault) -> Stop {
+        let pixel = self.keys.get(fault.ray).map_or((0, 0), |key| key.pixel);
+        Stop::Fault(pixel, Box::new(fault.fault))
+    }
+}
+
+/// The places of a rectangle along a Z-curve, so that the rays of a packet lie close together.
+fn along_z(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
+    let side = u64::from(width.max(height).next_power_of_two());
+    (0..side * side).map(|code| (even_bits(code), even_bits(code >> 1))).filter(move |(x, y)| *x < width && *y < height)
+}
+
+/// The bits 0, 2, 4, ... of a number below 2^32.
+fn even_bits(code: u64) -> u32 {
+    (0..16).fold(0, |sum, bit| sum | (((code >> (2 * bit)) & 1) as u32) << bit)
+}

@@ -1,0 +1,374 @@
+//! Building a cell: a state is expanded, the states in it are expanded in turn until there are enough parts for a cell, and all is laid
+//! out.
+//!
+//! What is merged follows from the states alone. States of few primitives are always merged into the cell they are in; then the
+//! largest instances, until there are about [`ENOUGH`] members. More gains nothing: what makes cells fast is that they stay in cache.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+use glam::{DAffine3, DMat3};
+
+use super::bounds::primitive_bounds;
+use super::bvh::{self, Boxed, area};
+use super::cell::{Boolean, Cell, Frame, Instance, Leaf, Named, Part, Ref, Union};
+use super::piece::{Piece, Shape};
+use super::store::{Store, led_by};
+use crate::fault::Fault;
+use crate::form::{MaterialId, Origin};
+use crate::geometry::{Aabb, Primitive};
+use crate::trace::Route;
+
+/// Members of a cell's union from which on nothing more is merged into it.
+const ENOUGH: usize = 64;
+/// Members that merging never goes beyond.
+const MOST: usize = 256;
+/// Primitives of a state that is always merged.
+const SMALL: usize = 16;
+/// Instances that are merged into one cell by their size.
+const MOST_MERGED: usize = 256;
+/// Boxes of a Boolean's operand below which it is not worth a node.
+const WORTH_A_NODE: usize = 4;
+/// How much larger than need be a box may be, in units of the cell.
+const SLACK: f64 = 1e-4;
+/// How near events of a Boolean count as one, in units of its size.
+const TOLERANCE: f64 = 1e-12;
+
+/// The cell of a state.
+///
+/// # Errors
+/// What fails in expanding what is in the state, or in finding how far it reaches.
+pub(super) fn build(store: &Store, state: u32) -> Result<Cell, Fault> {
+    let frame = store.frame(state)?;
+    let drafts = Merge { store, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
+    let mut layout = Layout { store, frame, cell: Cell::default() };
+    layout.cell.unions.push(Union::default());
+    let (union, _) = layout.union(drafts, 1)?;
+    layout.cell.unions[0] = union;
+    layout.cell.levels = layout.cell.parts.iter().map(|it| it.levels).max().unwrap_or(0);
+    Ok(layout.cell.shrunk())
+}
+
+impl Store<'_> {
+    /// The frame of a state's cell.
+    ///
+    /// # Errors
+    /// What fails in finding its bounds.
+    pub(super) fn frame(&self, state: u32) -> Result<Frame, Fault> {
+        Ok(Frame::around(&self.loose(state)?.finite))
+    }
+
+    /// Whether a state stands for [`SMALL`] primitives or less, and says so soon.
+    fn is_small(&self, state: u32) -> Result<bool, Fault> {
+        let known = &self.known(state).small;
+        if let Some(small) = known.get() {
+            return Ok(*small);
+        }
+        let small = self.count_few(state)?;
+        Ok(*known.get_or_init(|| small))
+    }
+
+    fn count_few(&self, state: u32) -> Result<bool, Fault> {
+        let (mut primitives, mut opened) = (0, 0);
+        let mut inside = vec![state];
+        while let Some(state) = inside.pop() {
+            let pieces = self.pieces(state)?;
+            opened += 1;
+            primitives += leaves(pieces);
+            if primitives > SMALL || opened > 2 * SMALL {
+                return Ok(false);
+            }
+            Piece::instances(pieces, &mut |it, _| inside.push(it));
+        }
+        Ok(true)
+    }
+}
+
+fn leaves(pieces: &[Piece]) -> usize {
+    let of_piece = |it: &Piece| match &it.shape {
+        Shape::Leaf(..) => 1,
+        Shape::Instance(..) => 0,
+        Shape::Intersect(operands) | Shape::Difference(operands) => operands.iter().map(|it| leaves(it)).sum(),
+    };
+    pieces.iter().map(of_piece).sum()
+}
+
+/// A part of a cell to be.
+struct Draft {
+    way: Way,
+    shape: Outline,
+}
+
+/// How a part of a cell is reached.
+#[derive(Clone, Copy)]
+struct Way {
+    state_from_inner: DAffine3,
+    material: Option<MaterialId>,
+    route: Route,
+    frozen: bool,
+    levels: u32,
+}
+
+enum Outline {
+    Leaf(Primitive, Origin),
+    Instance(u32, Origin),
+    Boolean { difference: bool, operands: Vec<Vec<Draft>> },
+}
+
+impl Way {
+    const START: Self = Self {
+        state_from_inner: DAffine3::IDENTITY,
+        material: None,
+        route: Route::START,
+        frozen: false,
+        levels: 0,
+    };
+
+    fn to(self, piece: &Piece) -> Self {
+        Self {
+            state_from_inner: self.state_from_inner * piece.outer_from_inner,
+            material: piece.material.or(self.material),
+            route: if self.frozen { self.route } else { self.route.then(piece.route) },
+            ..self
+        }
+    }
+}
+
+/// Puts drafts of the pieces into `drafts`; small states are merged.
+///
+/// It calls itself for Booleans, whose nesting the grammar limits, and for small states, which are not deep.
+fn draft(store: &Store, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
+    for piece in pieces {
+        let way = way.to(piece);
+        let shape = match &piece.shape {
+            Shape::Leaf(primitive, origin) => Outline::Leaf(**primitive, *origin),
+            Shape::Instance(state, origin) => {
+                let inner = Way { levels: way.levels + 1, ..way };
+                if store.is_small(*state).map_err(|it| called(store, *state, *origin, it))? {
+                    draft(store, store.pieces(*state)?, inner, drafts)?;
+                    continue;
+                }
+                drafts.push(Draft { way: inner, shape: Outline::Instance(*state, *origin) });
+                continue;
+            }
+            Shape::Intersect(operands) => Outline::Boolean { difference: false, operands: draft_all(store, operands, way)? },
+            Shape::Difference(operands) => Outline::Boolean { difference: true, operands: draft_all(store, operands, way)? },
+        };
+        drafts.push(Draft { way, shape });
+    }
+    Ok(())
+}
+
+fn draft_all(store: &Store, operands: &[Box<[Piece]>], way: Way) -> Result<Vec<Vec<Draft>>, Fault> {
+    let way = Way { frozen: true, ..way };
+    operands
+        .iter()
+        .map(|pieces| {
+            let mut drafts = Vec::new();
+            draft(store, pieces, way, &mut drafts).map(|()| drafts)
+        })
+        .collect()
+}
+
+fn called(store: &Store, state: u32, origin: Origin, fault: Fault) -> Fault {
+    led_by(fault, std::iter::once(store.step(state, origin)))
+}
+
+/// Merging: a list of drafts in which some instances stand for what replaced them.
+struct Merge<'a, 's> {
+    store: &'a Store<'s>,
+    slots: Vec<Slot>,
+    heap: BinaryHeap<Candidate>,
+}
+
+struct Slot {
+    draft: Draft,
+    /// The slots that stand for it once it is merged.
+    merged: Option<Range<usize>>,
+}
+
+/// An instance that may be merged: the largest first, among equals the first one.
+struct Candidate {
+    area: f64,
+    slot: usize,
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.area.total_cmp(&other.area).then(other.slot.cmp(&self.slot))
+    }
+}
+
+impl Merge<'_, '_> {
+    fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
+        let top = self.open(state, Way::START)?;
+        let mut members = top.len();
+        let mut merged = 0;
+        while members < ENOUGH && merged < MOST_MERGED {
+            let Some(Candidate { slot, .. }) = self.heap.pop() else {
+                break;
+            };
+            let Outline::Instance(state, origin) = self.slots[slot].draft.shape else {
+                continue;
+            };
+            let way = self.slots[slot].draft.way;
+            let before = self.slots.len();
+            let range = self.open(state, way).map_err(|it| called(self.store, state, origin, it))?;
+            if members - 1 + range.len() > MOST {
+                self.slots.truncate(before);
+                self.heap.retain(|it| it.slot < before);
+                continue;
+            }
+            members = members - 1 + range.len();
+            merged += 1;
+            self.slots[slot].merged = Some(range);
+        }
+        Ok(self.in_order(top))
+    }
+
+    /// Adds slots for what is in a state.
+    fn open(&mut self, state: u32, way: Way) -> Result<Range<usize>, Fault> {
+        let mut drafts = Vec::new();
+        draft(self.store, self.store.pieces(state)?, way, &mut drafts)?;
+        let start = self.slots.len();
+        for draft in drafts {
+            if let Outline::Instance(state, _) = draft.shape {
+                let bounds = self.store.loose(state)?.mapped(&draft.way.state_from_inner).bounds;
+                let area = if bounds.is_empty() || bounds.is_finite() { area(&bounds) } else { f64::INFINITY };
+                self.heap.push(Candidate { area, slot: self.slots.len() });
+            }
+            self.slots.push(Slot { draft, merged: None });
+        }
+        Ok(start..self.slots.len())
+    }
+
+    /// The drafts that are left, in the order written.
+    fn in_order(self, top: Range<usize>) -> Vec<Draft> {
+        let mut slots: Vec<Option<Slot>> = self.slots.into_iter().map(Some).collect();
+        let mut drafts = Vec::new();
+        let mut ahead = vec![top];
+        while let Some(mut range) = ahead.pop() {
+            let Some(number) = range.next() else {
+                continue;
+            };
+            ahead.push(range);
+            match slots[number].take() {
+                Some(Slot { merged: Some(inner), .. }) => ahead.push(inner),
+                Some(Slot { draft, merged: None }) => drafts.push(draft),
+                None => {}
+            }
+        }
+        drafts
+    }
+}
+
+/// Lays a cell out.
+struct Layout<'a, 's> {
+    store: &'a Store<'s>,
+    frame: Frame,
+    cell: Cell,
+}
+
+impl Layout<'_, '_> {
+    /// A union of drafts, and its box in the state's frame. Fewer than `least` boxes do without a node.
+    fn union(&mut self, drafts: Vec<Draft>, least: usize) -> Result<(Union, Aabb), Fault> {
+        let mut whole = Aabb::EMPTY;
+        let mut members = Vec::with_capacity(drafts.len());
+        for draft in drafts {
+            let (item, bounds) = self.member(draft)?;
+            if !bounds.is_empty() {
+                whole = whole.union(&bounds);
+                members.push((item, bounds));
+            }
+        }
+        let with_box = members.iter().filter(|(_, bounds)| bounds.is_finite()).count();
+        let boxed = |bounds: &Aabb| bounds.is_finite() && with_box >= least;
+        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
+        let frame = self.frame;
+        let items = members
+            .iter()
+            .filter(|(_, bounds)| boxed(bounds))
+            .map(|(item, bounds)| Boxed { bounds: frame.inwards(bounds), item: *item })
+            .collect();
+        let root = bvh::build(&mut self.cell.nodes, items);
+        Ok((Union { root, always }, whole))
+    }
+
+    fn member(&mut self, draft: Draft) -> Result<(Ref, Aabb), Fault> {
+        let Draft { way, shape } = draft;
+        match shape {
+            Outline::Leaf(primitive, origin) => Ok(self.leaf(&way, primitive, origin)),
+            Outline::Instance(state, origin) => self.instance(&way, state, origin),
+            Outline::Boolean { difference, operands } => self.boolean(difference, operands),
+        }
+    }
+
+    fn leaf(&mut self, way: &Way, primitive: Primitive, origin: Origin) -> (Ref, Aabb) {
+        let member = Ref::new(Named::Leaf(self.cell.leaves.len() as u32));
+        let part = self.part(member, way, origin);
+        let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
+        self.cell.leaves.push(Leaf { leaf_from_cell, primitive, solid: primitive.is_solid(), part });
+        (member, primitive_bounds(&primitive, &way.state_from_inner))
+    }
+
+    fn instance(&mut self, way: &Way, state: u32, origin: Origin) -> Result<(Ref, Aabb), Fault> {
+        let member = Ref::new(Named::Instance(self.cell.instances.len() as u32));
+        let part = self.part(member, way, origin);
+        let inner_from_state = self.store.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
+        let inner_from_cell = inner_from_state * self.frame.state_from_cell();
+        self.cell.instances.push(Instance { inner_from_cell, state, part });
+        let bounds = self.store.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
+        Ok((member, bounds))
+    }
+
+    fn part(&mut self, member: Ref, way: &Way, origin: Origin) -> u32 {
+        let Way { material, route, frozen, levels, .. } = *way;
+        self.cell.parts.push(Part { member, material, route, frozen, origin, levels });
+        self.cell.parts.len() as u32 - 1
+    }
+
+    fn boolean(&mut self, difference: bool, operands: Vec<Vec<Draft>>) -> Result<(Ref, Aabb), Fault> {
+        let part = self.cell.parts.len() as u32;
+        let mut unions = Vec::with_capacity(operands.len());
+        let mut whole = Aabb::ALL;
+        for (number, operand) in operands.into_iter().enumerate() {
+            let (union, bounds) = self.union(operand, WORTH_A_NODE)?;
+            unions.push(union);
+            if number == 0 || !difference {
+                whole = whole.intersection(&bounds);
+            }
+        }
+        let start = self.cell.unions.len() as u32;
+        self.cell.unions.append(&mut unions);
+        let operands = start..self.cell.unions.len() as u32;
+        let size = (whole.max - whole.min).max_element() / self.frame.size;
+        let tolerance = TOLERANCE * if size.is_finite() { size.max(0.0) } else { 1.0 };
+        let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
+        self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
+        Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
+    }
+}
+
+/// The inverse of a map however large or small it is: its determinant alone may be out of range.
+fn inverse(map: &DAffine3) -> DAffine3 {
+    let columns = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
+    let size = columns.iter().fold(0.0, |most: f64, it| most.max(it.abs().max_element()));
+    let near_one = DMat3::from_cols(columns[0] / size, columns[1] / size, columns[2] / size).inverse();
+    let matrix = DMat3::from_cols(near_one.x_axis / size, near_one.y_axis / size, near_one.z_axis / size);
+    DAffine3::from_mat3_translation(matrix, -(matrix * map.translation))
+}

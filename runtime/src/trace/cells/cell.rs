@@ -1,0 +1,209 @@
+//! Cells: states expanded and merged, laid out for rays.
+//!
+//! **Frame.** A cell's own frame is moved and scaled from that of its state ([`Frame`]), so that all that is finite in it lies within
+//! -1 to 1 on each axis.
+//!
+//! **Parts** are the primitives and instances of a cell, numbered in the order written, those inside Booleans too. The numbers on the
+//! way to a primitive, one a cell, name it ([`Site`](crate::trace::Site)) and say what was written first.
+
+use std::mem::size_of_val;
+use std::ops::Range;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::kernel::Node;
+use crate::form::{MaterialId, Origin};
+use crate::geometry::{Aabb, Primitive};
+use crate::trace::Route;
+
+/// A state expanded and merged.
+#[derive(Debug, Default)]
+pub(super) struct Cell {
+    /// The cell itself, then the operands of its Booleans.
+    pub(super) unions: Vec<Union>,
+    /// The boxes of all unions.
+    pub(super) nodes: Vec<Node>,
+    /// The primitives.
+    pub(super) leaves: Vec<Leaf>,
+    /// The cells inside.
+    pub(super) instances: Vec<Instance>,
+    /// The Booleans.
+    pub(super) booleans: Vec<Boolean>,
+    /// By number of the part: what a hit needs to know.
+    pub(super) parts: Vec<Part>,
+    /// How many states inside one another the cell goes through at most, those of its instances included.
+    pub(super) levels: u32,
+}
+
+/// The union of some members of a cell.
+#[derive(Debug, Default)]
+pub(super) struct Union {
+    /// The node that holds all its boxes, or none.
+    pub(super) root: Option<u32>,
+    /// The members without boxes: those without bounds, and those too few to be worth a box.
+    pub(super) always: Box<[Ref]>,
+}
+
+/// Names something in a cell: a node, or a member of a union.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Ref(u32);
+
+/// What a [`Ref`] names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Named {
+    /// A node.
+    Node(u32),
+    /// A leaf.
+    Leaf(u32),
+    /// An instance.
+    Instance(u32),
+    /// A Boolean.
+    Boolean(u32),
+}
+
+impl Ref {
+    /// Nothing.
+    pub(super) const NONE: Self = Self(u32::MAX);
+    const MASK: u32 = (1 << 30) - 1;
+
+    /// Of a number of so many things, all below 2^30: a state has at most 10^6 parts.
+    pub(super) fn new(named: Named) -> Self {
+        match named {
+            Named::Node(number) => Self(number),
+            Named::Leaf(number) => Self(number | 1 << 30),
+            Named::Instance(number) => Self(number | 2 << 30),
+            Named::Boolean(number) => Self(number | 3 << 30),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn named(self) -> Named {
+        let number = self.0 & Self::MASK;
+        match self.0 >> 30 {
+            0 => Named::Node(number),
+            1 => Named::Leaf(number),
+            2 => Named::Instance(number),
+            _ => Named::Boolean(number),
+        }
+    }
+
+    /// Whether it names nothing.
+    pub(super) fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+}
+
+/// A primitive in a cell.
+#[derive(Debug)]
+pub(super) struct Leaf {
+    pub(super) leaf_from_cell: DAffine3,
+    pub(super) primitive: Primitive,
+    /// Whether it has an inside.
+    pub(super) solid: bool,
+    /// Its number.
+    pub(super) part: u32,
+}
+
+/// A cell in a cell.
+#[derive(Debug)]
+pub(super) struct Instance {
+    /// Maps to the inner cell's own frame.
+    pub(super) inner_from_cell: DAffine3,
+    /// Which state, in the generation of the cell.
+    pub(super) state: u32,
+    /// Its number.
+    pub(super) part: u32,
+}
+
+/// An intersection or a difference in a cell.
+#[derive(Debug)]
+pub(super) struct Boolean {
+    /// Whether all operands but the first are taken away.
+    pub(super) difference: bool,
+    /// The operands, numbers of unions.
+    pub(super) operands: Range<u32>,
+    /// The number of the first part in it.
+    pub(super) part: u32,
+    /// How near events count as one: 1e-12 of its size.
+    pub(super) tolerance: f64,
+}
+
+/// What a hit needs to know of a part.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// Which leaf or instance it is.
+    pub(super) member: Ref,
+    /// The paint on the way from the cell.
+    pub(super) material: Option<MaterialId>,
+    /// The route from the cell.
+    pub(super) route: Route,
+    /// Whether it is inside a Boolean, which is one solid: the route below does not count.
+    pub(super) frozen: bool,
+    /// Its place in the text, that of the call for an instance.
+    pub(super) origin: Origin,
+    /// How many states inside one another the way from the cell goes through, that of an instance included.
+    pub(super) levels: u32,
+}
+
+/// The frame of a cell in that of its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Frame {
+    /// Its origin.
+    pub(super) center: DVec3,
+    /// Its unit of length, a power of two.
+    pub(super) size: f64,
+}
+
+impl Frame {
+    /// A frame in which a box lies within -1 to 1.
+    pub(super) fn around(bounds: &Aabb) -> Self {
+        let center = bounds.min * 0.5 + bounds.max * 0.5;
+        let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
+        if bounds.is_empty() || !center.is_finite() || !(half > 0.0 && half.is_finite()) {
+            return Self { center: DVec3::ZERO, size: 1.0 };
+        }
+        // The next power of two from the exponent alone, held where its inverse is one as well.
+        let exponent = (half.clamp(1e-300, 1e300).to_bits() >> 52) + 1;
+        Self { center, size: f64::from_bits(exponent << 52) }
+    }
+
+    pub(super) fn state_from_cell(&self) -> DAffine3 {
+        DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(self.size)), self.center)
+    }
+
+    /// A box of the state's frame in the cell's.
+    pub(super) fn inwards(&self, bounds: &Aabb) -> Aabb {
+        Aabb { min: (bounds.min - self.center) / self.size, max: (bounds.max - self.center) / self.size }
+    }
+
+    pub(super) fn cell_from_state(&self) -> DAffine3 {
+        let scale = 1.0 / self.size;
+        DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(scale)), self.center * -scale)
+    }
+}
+
+impl Cell {
+    /// The same without room to grow.
+    pub(super) fn shrunk(mut self) -> Self {
+        self.unions.shrink_to_fit();
+        self.nodes.shrink_to_fit();
+        self.leaves.shrink_to_fit();
+        self.instances.shrink_to_fit();
+        self.booleans.shrink_to_fit();
+        self.parts.shrink_to_fit();
+        self
+    }
+
+    /// How many bytes it takes.
+    pub(super) fn bytes(&self) -> usize {
+        let always: usize = self.unions.iter().map(|it| size_of_val(&*it.always)).sum();
+        size_of_val(self)
+            + size_of_val(&*self.unions)
+            + size_of_val(&*self.nodes)
+            + size_of_val(&*self.leaves)
+            + size_of_val(&*self.instances)
+            + size_of_val(&*self.booleans)
+            + size_of_val(&*self.parts)
+            + always
+    }
+}

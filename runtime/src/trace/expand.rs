@@ -1,0 +1,285 @@
+//! States, and what one stands for up to the next ones.
+//!
+//! A state is where the derivation of a graph comes back to: an S-node or a system, with the values that anything below it still
+//! reads. Expanding a state evaluates every C-, S- and T-node up to the next states, and gives what is there. It is a pure function
+//! of the state.
+
+use glam::DAffine3;
+
+use super::Route;
+use super::liveness::{Live, Liveness};
+use crate::eval::{Env, Machine, Path, trail_step};
+use crate::fault::{Fault, FaultKind, Limit, TrailStep};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, SystemId, Value};
+use crate::geometry::Primitive;
+use crate::limits::Limits;
+
+/// Where a derivation stands: two states that are equal stand for the same solid.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct State {
+    /// The S-node that is to select, or the system that is to start.
+    pub entry: Entry,
+    /// The values of the slots that are live there.
+    pub slots: Box<[Value]>,
+    /// The path, if anything below draws.
+    pub path: Option<Path>,
+}
+
+/// The nodes where states are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Entry {
+    /// An S-node.
+    Select(SelectId),
+    /// A system, its formals, `let`s and first state filled in.
+    System(SystemId),
+}
+
+/// The union of some parts, all in one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// The parts, in the order written.
+    pub items: Vec<Item>,
+}
+
+/// One part of a [`Group`].
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// Maps points of the part's own frame to the group's.
+    pub group_from_item: DAffine3,
+    /// The innermost paint between the group and the part; what is inside the part and has its own paint keeps that.
+    pub material: Option<MaterialId>,
+    /// The choices and copies between the group and the part.
+    pub route: Route,
+    /// What it is.
+    pub solid: Solid,
+}
+
+/// What a part of a [`Group`] can be.
+#[derive(Clone, Debug)]
+pub enum Solid {
+    /// A primitive.
+    Leaf {
+        /// Which.
+        primitive: Primitive,
+        /// Its place in the text.
+        origin: Origin,
+    },
+    /// Whatever a state stands for. The place is that of the call in the text.
+    Instance(State, Origin),
+    /// What lies in all of these. Inside of Booleans routes do not count: the whole is one solid.
+    Intersect(Vec<Group>),
+    /// What lies in the first and in none of the others.
+    Difference(Box<Group>, Vec<Group>),
+}
+
+/// Expands the states of a scene.
+#[derive(Debug)]
+pub struct Expander<'s> {
+    graph: &'s Graph,
+    liveness: Liveness,
+    seed: u64,
+    limits: Limits,
+}
+
+impl<'s> Expander<'s> {
+    /// An expander for a scene.
+    pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
+        Self { graph: &scene.graph, liveness: Liveness::of(&scene.graph), seed: scene.seed, limits: *limits }
+    }
+
+    /// The state of the whole scene.
+    ///
+    /// # Errors
+    /// What fails in finding the scene's own values.
+    pub fn root(&self) -> Result<State, Fault> {
+        let env = self.machine().root(self.graph)?;
+        Ok(self.state(Entry::System(self.graph.root()), &env))
+    }
+
+    /// What a state stands for, up to the next states.
+    ///
+    /// # Errors
+    /// A fault in an evaluation on the way, or more parts than the limit.
+    pub fn expand(&self, state: &State) -> Result<Group, Fault> {
+        let mut walk = Walk { expander: self, machine: self.machine(), left: self.limits.items };
+        let mut env = self.env(state);
+        let mut group = Group::default();
+        let (body, route) = match state.entry {
+            Entry::System(id) => (self.graph.system(id).start, Route::START),
+            Entry::Select(id) => {
+                let select = self.graph.select(id);
+                let chosen = walk.machine.choose(self.graph, select, &mut env)?;
+                (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
+            }
+        };
+        walk.add(&mut group, body, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        Ok(group)
+    }
+
+    /// What to tell about a state in the trail of a fault below it.
+    pub fn trail_step(&self, state: &State, origin: Origin) -> TrailStep {
+        match state.entry {
+            Entry::Select(id) => trail_step(self.graph, self.graph.select(id), &self.env(state), origin),
+            Entry::System(id) => {
+                TrailStep { name: self.graph.system(id).name.clone(), values: Vec::new(), origin }
+            }
+        }
+    }
+
+    fn machine(&self) -> Machine<'s> {
+        Machine::new(self.graph.functions(), self.seed, &self.limits)
+    }
+
+    fn live(&self, entry: Entry) -> &Live {
+        match entry {
+            Entry::Select(id) => self.liveness.select(id),
+            Entry::System(id) => self.liveness.system(id),
+        }
+    }
+
+    /// The state of an environment at an entry: what is not live is forgotten.
+    fn state(&self, entry: Entry, env: &Env) -> State {
+        let live = self.live(entry);
+        let slots = live.slots.iter().map(|it| env.slots[usize::from(it.0)].clone()).collect();
+        State { entry, slots, path: live.path.then_some(env.path) }
+    }
+
+    /// An environment of a state: what is not live is 0.
+    fn env(&self, state: &State) -> Env {
+        let system = match state.entry {
+            Entry::Select(id) => self.graph.select(id).system,
+            Entry::System(id) => id,
+        };
+        let mut slots = vec![Value::Number(0.0); self.graph.system(system).slots.len()];
+        for (slot, value) in self.live(state.entry).slots.iter().zip(&state.slots) {
+            slots[usize::from(slot.0)] = value.clone();
+        }
+        Env { slots, path: state.path.unwrap_or_default(), turn: 0 }
+    }
+}
+
+// What tells the kinds of steps of a route apart.
+pub(super) const CHOICE: u64 = 0x1000_0000_0000_0000;
+pub(super) const COPY: u64 = 0x2000_0000_0000_0000;
+pub(super) const OPERAND: u64 = 0x3000_0000_0000_0000;
+
+/// Where a walk through the nodes of a state is.
+#[derive(Clone)]
+struct Here {
+    group_from_here: DAffine3,
+    material: Option<MaterialId>,
+    route: Route,
+    env: Env,
+}
+
+/// A walk through the nodes of one state.
+struct Walk<'e, 's> {
+    expander: &'e Expander<'s>,
+    machine: Machine<'s>,
+    /// How many more parts it may find.
+    left: u32,
+}
+
+impl Walk<'_, '_> {
+    /// Adds what a node stands for to a group.
+    ///
+    /// It goes down chains in a loop, since they may be long, and calls itself for operands, whose nesting the grammar limits.
+    fn add(&mut self, group: &mut Group, node: NodeId, mut here: Here) -> Result<(), Fault> {
+        let graph = self.expander.graph;
+        let mut node = node;
+        loop {
+            match graph.node(node) {
+                Node::Empty => return Ok(()),
+                Node::Primitive { kind, code, origin } => {
+                    let values = self.machine.primitive(*kind, code, &mut here.env)?;
+                    let primitive = Primitive::new(*kind, &values).ok_or_else(|| {
+                        Fault::new(FaultKind::Primitive { kind: *kind, values: values.to_vec() }, *origin)
+                    })?;
+                    return self.put(group, here, Solid::Leaf { primitive, origin: *origin }, *origin);
+                }
+                Node::Transform { kind, code, body, origin } => {
+                    let above_from_below = self.machine.transform(*kind, code, &mut here.env, *origin)?;
+                    here.group_from_here = here.group_from_here * above_from_below;
+                    node = *body;
+                }
+                Node::Calc { code, body, .. } => {
+                    self.machine.calculate(code, &mut here.env)?;
+                    node = *body;
+                }
+                Node::Paint { material, body } => {
+                    here.material = Some(*material);
+                    node = *body;
+                }
+                Node::Variant { count, body, origin } => {
+                    let count = self.machine.whole(count, &mut here.env, "variant", 1, *origin)?;
+                    here.env.fold(count);
+                    node = *body;
+                }
+                Node::Choice { condition, then, otherwise } => {
+                    node = if self.machine.truth(condition, &mut here.env)? { *then } else { *otherwise };
+                }
+                Node::Repeat { count, index, body, origin } => {
+                    let count = self.machine.whole(count, &mut here.env, "repeat", 0, *origin)?;
+                    for number in 0..count {
+                        let mut copy = here.clone();
+                        copy.env.turn(*index, number);
+                        copy.route = copy.route.then(Route::step(COPY ^ u64::from(number)));
+                        self.add(group, *body, copy)?;
+                    }
+                    return Ok(());
+                }
+                Node::Union(operands) => {
+                    for (number, operand) in operands.iter().enumerate() {
+                        let mut copy = here.clone();
+                        copy.route = copy.route.then(Route::step(OPERAND ^ number as u64));
+                        self.add(group, *operand, copy)?;
+                    }
+                    return Ok(());
+                }
+                Node::Intersect(operands) => {
+                    let operands = self.operands(operands, &here)?;
+                    return self.put(group, here, Solid::Intersect(operands), Origin::NONE);
+                }
+                Node::Difference(first, others) => {
+                    let first = self.operand(*first, &here)?;
+                    let others = self.operands(others, &here)?;
+                    return self.put(group, here, Solid::Difference(Box::new(first), others), Origin::NONE);
+                }
+                Node::Call(call) => {
+                    let env = self.machine.enter(graph, call, &mut here.env)?;
+                    here.route = here.route.then(Route::step(call.place));
+                    let state = self.expander.state(Entry::Select(call.select), &env);
+                    return self.put(group, here, Solid::Instance(state, call.origin), call.origin);
+                }
+                Node::System(call) => {
+                    let env = self.machine.enter_system(graph, call, &mut here.env)?;
+                    here.route = here.route.then(Route::step(call.place));
+                    let state = self.expander.state(Entry::System(call.system), &env);
+                    return self.put(group, here, Solid::Instance(state, call.origin), call.origin);
+                }
+            }
+        }
+    }
+
+    fn operands(&mut self, operands: &[NodeId], here: &Here) -> Result<Vec<Group>, Fault> {
+        operands.iter().map(|it| self.operand(*it, here)).collect()
+    }
+
+    /// An operand of a Boolean, as a group in the frame of the Boolean itself.
+    fn operand(&mut self, operand: NodeId, here: &Here) -> Result<Group, Fault> {
+        let mut group = Group::default();
+        let inner = Here { group_from_here: DAffine3::IDENTITY, material: None, route: Route::START, env: here.env.clone() };
+        self.add(&mut group, operand, inner)?;
+        Ok(group)
+    }
+
+    fn put(&mut self, group: &mut Group, here: Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
+        let most = self.expander.limits.items;
+        self.left = self.left.checked_sub(1).ok_or_else(|| {
+            Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin)
+        })?;
+        let Here { group_from_here: group_from_item, material, route, .. } = here;
+        group.items.push(Item { group_from_item, material, route, solid });
+        Ok(())
+    }
+}

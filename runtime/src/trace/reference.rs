@@ -1,0 +1,380 @@
+//! The reference walker: ray tracing of a cyclic CSG graph by the book (GT95, section 3).
+//!
+//! A ray is passed from node to node. S-nodes select, C-nodes calculate, T-nodes map the ray and add their matrix to a chain, operator
+//! nodes combine the intervals that their operands give, primitives give theirs, each with the chain on which it was reached.
+//! Nothing is kept from one ray to the next, nothing is culled. It is slow, and the oracle of the fast tracer's tests.
+
+use std::rc::Rc;
+
+use glam::{DAffine3, DVec3};
+use smallvec::SmallVec;
+
+use super::{Fragment, RayFault, Route, Sample, Site, SurfaceRay, Tracer, expand};
+use crate::eval::{Env, Machine, trail_step};
+use crate::fault::{Fault, FaultKind, Limit, TrailStep};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
+use crate::geometry::{Aabb, Intervals, Primitive, Ray};
+use crate::limits::Limits;
+
+/// Traces rays through a scene by the book.
+#[derive(Debug)]
+pub struct Reference<'s> {
+    scene: &'s Scene,
+    limits: Limits,
+}
+
+impl<'s> Reference<'s> {
+    /// A walker through a scene.
+    pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
+        Self { scene, limits: *limits }
+    }
+
+    /// Everything on a line: t from -inf to inf.
+    fn walk(&self, ray: &Ray, from: Option<&Site>) -> Result<(Line, Vec<Surface>), Fault> {
+        let graph = &self.scene.graph;
+        let mut walk = Walk {
+            graph,
+            machine: Machine::new(graph.functions(), self.scene.seed, &self.limits),
+            limits: &self.limits,
+            from,
+            surfaces: Vec::new(),
+        };
+        let env = walk.machine.root(graph)?;
+        let here = Here {
+            ray: *ray,
+            chain: Rc::new(Chain::World),
+            material: None,
+            route: Route::START,
+            frozen: false,
+            env,
+            site: SmallVec::new(),
+            depth: 0,
+        };
+        let line = walk.pass(graph.system(graph.root()).start, here)?;
+        Ok((line, walk.surfaces))
+    }
+
+    fn see(&self, ray: &Ray) -> Result<Sample, Fault> {
+        let (line, surfaces) = self.walk(ray, None)?;
+        let mut sample = Sample::default();
+        if let Some((t, surface, flipped)) = line.first_after_start() {
+            sample.fragments.push(surfaces[surface as usize].fragment(ray, t, flipped));
+        }
+        Ok(sample)
+    }
+}
+
+impl Tracer for Reference<'_> {
+    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
+        samples.clear();
+        for (number, ray) in rays.iter().enumerate() {
+            samples.push(self.see(ray).map_err(|fault| RayFault { ray: number, fault })?);
+        }
+        Ok(())
+    }
+
+    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
+        blocked.clear();
+        for (number, it) in rays.iter().enumerate() {
+            let (line, _) = self.walk(&it.ray, Some(&it.from)).map_err(|fault| RayFault { ray: number, fault })?;
+            blocked.push(line.first_after_start().is_some());
+        }
+        Ok(())
+    }
+
+    fn finite_bounds(&self) -> Result<Aabb, Fault> {
+        // What a box is does not depend on how rays are traced, and going through every copy by the book would take for ever.
+        Ok(Aabb::EMPTY) // INTEGRATOR: cells' bounds
+    }
+}
+
+/// What a line meets below a node.
+struct Line {
+    /// Where it is inside, each end with the surface it crosses there.
+    inside: Intervals<u32>,
+    /// Where it crosses surfaces without an inside.
+    crossings: Vec<(f64, u32)>,
+}
+
+impl Line {
+    fn empty() -> Self {
+        Self { inside: Intervals::empty(), crossings: Vec::new() }
+    }
+
+    /// The first surface after t = 0, and whether it is one that a difference turned inside out.
+    fn first_after_start(&self) -> Option<(f64, u32, bool)> {
+        let ends = self.inside.as_slice().iter().flat_map(|it| [it.near, it.far]).map(|it| (it.t, it.surface, it.flipped));
+        let crossings = self.crossings.iter().map(|(t, surface)| (*t, *surface, false));
+        let visible = ends.chain(crossings).filter(|it| it.0 > 0.0 && it.0.is_finite());
+        // Surfaces are numbered in the order written, and of two at one place the first written is seen.
+        visible.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+    }
+}
+
+/// A primitive's surface that the line met.
+struct Surface {
+    primitive: Primitive,
+    origin: Origin,
+    material: Option<MaterialId>,
+    route: Route,
+    /// The ray in the primitive's frame.
+    ray: Ray,
+    chain: Rc<Chain>,
+    site: Site,
+}
+
+impl Surface {
+    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool) -> Fragment {
+        let own = self.primitive.normal(self.ray.at(t), self.site.face);
+        let mut normal = self.chain.normal_to_world(own).normalize();
+        let against = !self.primitive.is_solid() && normal.dot(world_ray.direction) > 0.0;
+        if flipped || against {
+            normal = -normal;
+        }
+        Fragment {
+            coverage: 1.0,
+            depth: t,
+            position: world_ray.at(t),
+            normal,
+            material: self.material,
+            route: self.route.hash(),
+            origin: self.origin,
+            site: self.site.clone(),
+        }
+    }
+}
+
+/// The matrices of the T-nodes that a ray went through, the last first: GT95's tree of inverted pointers (figure 4).
+enum Chain {
+    World,
+    Transform { inner_from_outer: DAffine3, outer: Rc<Chain> },
+}
+
+impl Chain {
+    /// Maps a normal back through all matrices, the innermost first, each transposed: the inverse of the inverse.
+    fn normal_to_world(&self, normal: DVec3) -> DVec3 {
+        let mut normal = normal;
+        let mut chain = self;
+        while let Self::Transform { inner_from_outer, outer } = chain {
+            normal = inner_from_outer.matrix3.transpose() * normal;
+            chain = outer;
+        }
+        normal
+    }
+}
+
+/// Where a ray is in the graph, and what it brings along.
+#[derive(Clone)]
+struct Here {
+    /// The ray in the frame of this place.
+    ray: Ray,
+    chain: Rc<Chain>,
+    material: Option<MaterialId>,
+    route: Route,
+    /// Whether the route has ended, since a Boolean is one solid.
+    frozen: bool,
+    env: Env,
+    /// The numbers of the operands and copies on the way.
+    site: SmallVec<[u32; 12]>,
+    /// How many modules and systems it is inside.
+    depth: u32,
+}
+
+impl Here {
+    fn step(&mut self, number: u64) {
+        if !self.frozen {
+            self.route = self.route.then(Route::step(number));
+        }
+    }
+
+    fn operand(&self, number: usize) -> Self {
+        let mut here = self.clone();
+        here.site.push(number as u32);
+        here
+    }
+}
+
+/// The walk of one ray through the graph.
+struct Walk<'w, 's> {
+    graph: &'s Graph,
+    machine: Machine<'s>,
+    limits: &'w Limits,
+    /// The surface that the ray starts on.
+    from: Option<&'w Site>,
+    surfaces: Vec<Surface>,
+}
+
+impl Walk<'_, '_> {
+    /// Passes the ray to a node.
+    fn pass(&mut self, node: NodeId, mut here: Here) -> Result<Line, Fault> {
+        let graph = self.graph;
+        let mut node = node;
+        loop {
+            match graph.node(node) {
+                Node::Empty => return Ok(Line::empty()),
+                Node::Primitive { kind, code, origin } => {
+                    let values = self.machine.primitive(*kind, code, &mut here.env)?;
+                    return match Primitive::new(*kind, &values) {
+                        Some(primitive) => self.primitive(primitive, *origin, here),
+                        None => {
+                            let kind = FaultKind::Primitive { kind: *kind, values: values.to_vec() };
+                            Err(Fault::new(kind, *origin))
+                        }
+                    };
+                }
+                Node::Transform { kind, code, body, origin } => {
+                    let inner_from_outer = self.machine.transform(*kind, code, &mut here.env, *origin)?.inverse();
+                    here.ray = here.ray.mapped(&inner_from_outer);
+                    here.chain = Rc::new(Chain::Transform { inner_from_outer, outer: Rc::clone(&here.chain) });
+                    node = *body;
+                }
+                Node::Calc { code, body, .. } => {
+                    self.machine.calculate(code, &mut here.env)?;
+                    node = *body;
+                }
+                Node::Paint { material, body } => {
+                    here.material = Some(*material);
+                    node = *body;
+                }
+                Node::Variant { count, body, origin } => {
+                    let count = self.machine.whole(count, &mut here.env, "variant", 1, *origin)?;
+                    here.env.fold(count);
+                    node = *body;
+                }
+                Node::Choice { condition, then, otherwise } => {
+                    node = if self.machine.truth(condition, &mut here.env)? { *then } else { *otherwise };
+                }
+                Node::Repeat { count, index, body, origin } => {
+                    let count = self.machine.whole(count, &mut here.env, "repeat", 0, *origin)?;
+                    let mut lines = Vec::new();
+                    for number in 0..count {
+                        let mut copy = here.operand(number as usize);
+                        copy.env.turn(*index, number);
+                        copy.step(expand::COPY ^ u64::from(number));
+                        lines.push(self.pass(*body, copy)?);
+                    }
+                    return Ok(union(lines));
+                }
+                Node::Union(operands) => {
+                    let mut lines = Vec::new();
+                    for (number, operand) in operands.iter().enumerate() {
+                        let mut copy = here.operand(number);
+                        copy.step(expand::OPERAND ^ number as u64);
+                        lines.push(self.pass(*operand, copy)?);
+                    }
+                    return Ok(union(lines));
+                }
+                Node::Intersect(operands) => return self.intersect(operands, &here),
+                Node::Difference(first, others) => return self.subtract(*first, others, &here),
+                Node::Call(call) => {
+                    here.env = self.machine.enter(graph, call, &mut here.env)?;
+                    here.step(call.place);
+                    let select = graph.select(call.select);
+                    let step = trail_step(graph, select, &here.env, call.origin);
+                    return self.deeper(here, step, |walk, here| walk.select(select, here));
+                }
+                Node::System(call) => {
+                    here.env = self.machine.enter_system(graph, call, &mut here.env)?;
+                    here.step(call.place);
+                    let system = graph.system(call.system);
+                    let step = TrailStep { name: system.name.clone(), values: Vec::new(), origin: call.origin };
+                    return self.deeper(here, step, |walk, here| walk.pass(system.start, here));
+                }
+            }
+        }
+    }
+
+    /// Goes into a module or system; a fault inside is told with the way to it.
+    fn deeper(
+        &mut self,
+        mut here: Here,
+        step: TrailStep,
+        go: impl FnOnce(&mut Self, Here) -> Result<Line, Fault>,
+    ) -> Result<Line, Fault> {
+        here.depth += 1;
+        let result = if here.depth > self.limits.depth {
+            let most = u64::from(self.limits.depth);
+            Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most }, step.origin))
+        } else {
+            go(self, here)
+        };
+        result.map_err(|fault| fault.reached_through(step))
+    }
+
+    fn select(&mut self, select: &Select, mut here: Here) -> Result<Line, Fault> {
+        let chosen = self.machine.choose(self.graph, select, &mut here.env)?;
+        here.step(expand::CHOICE ^ chosen as u64);
+        self.pass(select.rules[chosen].body, here)
+    }
+
+    fn intersect(&mut self, operands: &[NodeId], here: &Here) -> Result<Line, Fault> {
+        let mut result: Option<Intervals<u32>> = None;
+        for (number, operand) in operands.iter().enumerate() {
+            let inside = self.solid_operand(*operand, number, here)?;
+            result = Some(match result {
+                None => inside,
+                Some(before) => before.intersection(&inside, tolerance(&before, &inside)),
+            });
+        }
+        Ok(Line { inside: result.unwrap_or_else(Intervals::empty), crossings: Vec::new() })
+    }
+
+    fn subtract(&mut self, first: NodeId, others: &[NodeId], here: &Here) -> Result<Line, Fault> {
+        let mut result = self.solid_operand(first, 0, here)?;
+        for (number, operand) in others.iter().enumerate() {
+            let inside = self.solid_operand(*operand, number + 1, here)?;
+            result = result.difference(&inside, tolerance(&result, &inside));
+        }
+        Ok(Line { inside: result, crossings: Vec::new() })
+    }
+
+    /// An operand of `&` or `\`: it must have an inside.
+    fn solid_operand(&mut self, operand: NodeId, number: usize, here: &Here) -> Result<Intervals<u32>, Fault> {
+        let mut here = here.operand(number);
+        here.frozen = true;
+        let line = self.pass(operand, here)?;
+        match line.crossings.first() {
+            None => Ok(line.inside),
+            Some((_, surface)) => {
+                Err(Fault::new(FaultKind::Open(PrimitiveKind::Triangle), self.surfaces[*surface as usize].origin))
+            }
+        }
+    }
+
+    fn primitive(&mut self, primitive: Primitive, origin: Origin, here: Here) -> Result<Line, Fault> {
+        let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
+        let mut line = Line::empty();
+        if primitive.is_solid() {
+            let chords = primitive.chords(&here.ray, from);
+            line.inside = Intervals::of_chords(&chords, |it| self.surface(&primitive, origin, &here, it.face));
+        } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
+            line.crossings.push((crossing.t, self.surface(&primitive, origin, &here, crossing.face)));
+        }
+        Ok(line)
+    }
+
+    /// Notes a surface that was met, and gives it a number.
+    fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
+        self.surfaces.push(Surface {
+            primitive: primitive.clone(),
+            origin,
+            material: here.material,
+            route: here.route,
+            ray: here.ray,
+            chain: Rc::clone(&here.chain),
+            site: Site { path: here.site.clone(), face },
+        });
+        self.surfaces.len() as u32 - 1
+    }
+}
+
+/// How far apart two events of a Boolean may be and still be one: the error of arithmetic, in t.
+fn tolerance(a: &Intervals<u32>, b: &Intervals<u32>) -> f64 {
+    let ends = [a, b].into_iter().flat_map(|it| it.as_slice()).flat_map(|it| [it.near.t, it.far.t]);
+    ends.filter(|it| it.is_finite()).fold(0.0, |largest: f64, it| largest.max(it.abs())) * 1e-12
+}
+
+fn union(lines: Vec<Line>) -> Line {
+    let inside: Vec<Intervals<u32>> = lines.iter().map(|it| it.inside.clone()).collect();
+    Line { inside: Intervals::union_of(&inside, 0.0), crossings: lines.into_iter().flat_map(|it| it.crossings).collect() }
+}

@@ -36,7 +36,7 @@ Exit codes:
 /// Renders programs of treegen, a language for natural forms
 #[derive(Debug, Parser)]
 #[command(name = "treegen", version, after_help = EXAMPLES, max_term_width = 110, arg_required_else_help = true)]
-#[command(subcommand_negates_reqs = true, disable_help_subcommand = true, override_usage = USAGE)]
+#[command(subcommand_negates_reqs = true, disable_help_subcommand = true, disable_help_flag = true, override_usage = USAGE)]
 pub struct Cli {
     /// Something else than a picture
     #[command(subcommand)]
@@ -47,6 +47,9 @@ pub struct Cli {
     /// Say nothing but errors
     #[arg(short, long, global = true, help_heading = "Messages")]
     pub quiet: bool,
+    /// Print this help
+    #[arg(short, long, global = true, action = clap::ArgAction::HelpShort, help_heading = "Messages")]
+    help: Option<bool>,
     /// When messages are coloured
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = "Messages")]
     pub color: Color,

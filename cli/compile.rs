@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use treegen_compiler::{Compiled, Options, Problem, Sources};
+use treegen_compiler::{Compiled, Options, Problem, Sources, Vocabulary};
 use treegen_runtime::form::Scene;
 use treegen_runtime::{Fault, FaultKind, Limits};
 
@@ -20,6 +20,8 @@ pub struct Understood {
     pub scene: Scene,
     /// Its texts.
     pub sources: Sources,
+    /// Its names for values.
+    pub vocabulary: Vocabulary,
 }
 
 /// Reads and compiles a program, and prints its warnings.
@@ -29,12 +31,12 @@ pub struct Understood {
 pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console) -> Result<Understood, Failure> {
     let files = Files::open(file)?;
     let options = Options { seed: program.seed, time: 0.0, settings: program.set.clone(), limits };
-    let Compiled { sources, scene, problems } = treegen_compiler::compile(files.main(), &files, &options);
+    let Compiled { sources, scene, problems, vocabulary } = treegen_compiler::compile(files.main(), &files, &options);
     let words = treegen_compiler::show(&problems, &sources, console.color);
     match scene {
         Some(scene) => {
             console.warn(&words);
-            Ok(Understood { files, scene, sources })
+            Ok(Understood { files, scene, sources, vocabulary })
         }
         None => Err(Failure::diagnostics(exit_of(&problems), words)),
     }
@@ -46,7 +48,7 @@ impl Understood {
         if fault.kind == FaultKind::Interrupted {
             return Failure::interrupted();
         }
-        let problems = [treegen_compiler::problem_of_fault(fault)];
+        let problems = [treegen_compiler::problem_of_fault(fault, &self.vocabulary)];
         Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color))
     }
 }

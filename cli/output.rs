@@ -11,7 +11,6 @@ use std::sync::Arc;
 use tempfile::NamedTempFile;
 use treegen_runtime::picture::Watch;
 
-use crate::console::shown;
 use crate::exit::Failure;
 use crate::supervise::Progress;
 

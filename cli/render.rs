@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::ThreadPoolBuilder;
+use treegen_runtime::form::Scene;
 use treegen_runtime::picture::{self, Picture, Rect, RenderOptions, Watch};
 use treegen_runtime::trace::Tracer;
 use treegen_runtime::trace::cells::{CellTracer, Counts};
@@ -143,7 +144,7 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     // rayon takes 0 for as many as there are processors.
     let pool = ThreadPoolBuilder::new().num_threads(arguments.threads.unwrap_or(0) as usize).stack_size(STACK_BYTES);
     let pool = pool.build().map_err(|error| no_thread(&error))?;
-    let traced = pool.install(|| trace(arguments, &program, &limits, &options, progress));
+    let traced = pool.install(|| trace(arguments, &program.scene, &limits, &options, progress));
     let traced = traced.map_err(|fault| program.failure(&fault, console))?;
     Ok(Made { text: text(arguments, &program, &traced.picture), stats: traced.stats(compiled), picture: traced.picture })
 }
@@ -159,23 +160,22 @@ struct Traced {
 
 fn trace(
     arguments: &Render,
-    program: &Understood,
+    scene: &Scene,
     limits: &Limits,
     options: &RenderOptions,
     progress: &Progress,
 ) -> Result<Traced, Fault> {
     let start = Instant::now();
-    let scene = &program.scene;
     if arguments.reference {
-        return look(program, &Reference::new(scene, limits), options, start, progress);
+        return look(scene, &Reference::new(scene, limits), options, start, progress);
     }
     let tracer = CellTracer::new(scene, limits, arguments.culling.into())?;
-    let traced = look(program, &tracer, options, start, progress)?;
+    let traced = look(scene, &tracer, options, start, progress)?;
     Ok(Traced { counts: Some(tracer.counts()), ..traced })
 }
 
 fn look(
-    program: &Understood,
+    scene: &Scene,
     tracer: &dyn Tracer,
     options: &RenderOptions,
     start: Instant,
@@ -184,7 +184,7 @@ fn look(
     let prepare = start.elapsed().as_secs_f64();
     let cpu = cpu_seconds();
     let start = Instant::now();
-    let picture = picture::render(&program.scene, tracer, options, progress)?;
+    let picture = picture::render(scene, tracer, options, progress)?;
     let render = start.elapsed().as_secs_f64();
     let cpu = cpu.zip(cpu_seconds()).map(|(before, after)| after - before);
     Ok(Traced { picture, prepare, render, cpu, counts: None })
@@ -241,7 +241,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
     }
     let mut settings: Vec<String> = arguments.program.set.iter().map(|it| format!("{}={}", it.name, it.value)).collect();
     settings.sort();
-    text.extend(settings.into_iter().map(|it| ("Set".to_owned(), it)));
+    if !settings.is_empty() {
+        text.push(("Set".to_owned(), settings.join("\n")));
+    }
     text.push(("Source SHA-256".to_owned(), program.files.fingerprint()));
     text
 }

@@ -1,1 +1,103 @@
-//! x
+//! From text to scene: reads a program and all that it uses, checks it, and lowers it to what the runtime draws.
+//!
+//! [`compile`] is the whole way on one page. Each stage hands plain data to the next and goes on as long as that makes sense, so
+//! that one run reports every independent mistake: [`load`] makes trees, [`resolve`] gives names their meaning, [`check`] looks at
+//! types and circles, [`constant`] and [`scene`] find what is known before anything runs, and [`lower`] makes the graph. Problems are
+//! data; their words are in [`words`], and [`show()`] writes them for people.
+
+mod builtin;
+mod check;
+mod constant;
+mod fields;
+mod graph;
+mod load;
+mod loader;
+mod lower;
+mod problem;
+mod program;
+mod resolve;
+mod scene;
+mod settings;
+mod show;
+mod similar;
+mod sources;
+mod vocabulary;
+mod words;
+
+pub use loader::{LoadError, Loaded, Loader, NoFiles};
+pub use problem::{Edit, Label, Problem, Safety, Severity, Suggestion};
+pub use settings::Setting;
+pub use show::show;
+pub use sources::{Source, Sources};
+pub use treegen_grammar::{FileId, Span};
+pub use vocabulary::Vocabulary;
+
+use treegen_runtime::form::Scene;
+use treegen_runtime::{Fault, Limits};
+
+use lower::code::Values;
+
+/// What a program is compiled with, besides its text.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// The seed on which every random draw depends.
+    pub seed: u64,
+    /// The moment of the frame, in seconds.
+    pub time: f64,
+    /// Values for `param`s and formals.
+    pub settings: Vec<Setting>,
+    /// How far things may grow.
+    pub limits: Limits,
+}
+
+/// What became of a program.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The texts it was made from.
+    pub sources: Sources,
+    /// What it shows. It is there exactly when no problem is an error, so whoever holds one may draw it.
+    pub scene: Option<Scene>,
+    /// What is wrong with it, in the order of the text.
+    pub problems: Vec<Problem>,
+    /// Its names for values, for [`problem_of_fault`].
+    pub vocabulary: Vocabulary,
+}
+
+/// Compiles a program and all that it uses into a scene.
+pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled {
+    let mut sources = Sources::default();
+    let mut problems = Vec::new();
+    let units = load::load(main, loader, &mut sources, &mut problems);
+    let overrides = settings::find(&options.settings, &units, &mut sources, &mut problems);
+    let input = resolve::Input { units: &units, sources: &sources, overrides: &overrides, time: options.time };
+    let mut program = resolve::resolve(&input, &mut problems);
+    let vocabulary = program.vocabulary();
+    check::check(&mut program, &mut problems);
+    let mut constants = constant::Constants::find(&program, &vocabulary, options.seed, options.limits, units.len());
+    let setting = scene::setting(&mut constants);
+    let found = constants.done();
+    problems.extend(found.problems);
+    settings::mark(&mut problems, units.len());
+    let scene = if problems.iter().any(Problem::is_error) {
+        None
+    } else {
+        match lower::lower(&program, Values(&found.values), found.functions) {
+            Ok(lowered) => {
+                let materials = scene::materials(&setting, &lowered.materials);
+                let scene::Setting { camera, suns, sky, image, .. } = setting;
+                Some(Scene { graph: lowered.graph, seed: options.seed, materials, camera, suns, sky, image })
+            }
+            Err(problem) => {
+                problems.push(problem);
+                None
+            }
+        }
+    };
+    show::sort(&mut problems);
+    Compiled { sources, scene, problems, vocabulary }
+}
+
+/// A fault that was met while a program ran, in words.
+pub fn problem_of_fault(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
+    words::fault::problem(fault, vocabulary)
+}

@@ -10,6 +10,7 @@ use treegen_grammar::ast::{BinaryOp, CutOp, SystemKind, UnaryOp};
 use treegen_runtime::form::{Builtin, Draw, PrimitiveKind, TransformKind};
 
 use crate::builtin::WalkWord;
+use crate::vocabulary::Vocabulary;
 
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
@@ -394,6 +395,11 @@ impl Program {
     /// A definition.
     pub(crate) fn def(&self, id: DefId) -> &Def {
         &self.defs[id.index()]
+    }
+
+    /// The names of its enums and their values.
+    pub(crate) fn vocabulary(&self) -> Vocabulary {
+        Vocabulary { enums: self.enums.iter().map(|it| (it.name.clone(), it.cases.clone())).collect() }
     }
 
     /// The name of a system's slot.

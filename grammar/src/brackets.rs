@@ -33,6 +33,10 @@ pub(crate) fn balance<'a>(
         indent: 0,
         pending: false,
         separator: None,
+        item: 0,
+        kind: None,
+        member: None,
+        last_word: 0,
         just_dropped: false,
     };
     let mut rest = tokens;
@@ -42,7 +46,11 @@ pub(crate) fn balance<'a>(
             None => repair.out.extend_from_slice(segment),
             Some(surplus) => {
                 repair.surplus = surplus;
-                repair.segment(segment, rest.first().map_or((length, length), |it| (it.start, it.end)));
+                repair.segment(
+                    segment,
+                    rest.first()
+                        .map_or((length, length), |it| (it.start, it.end)),
+                );
             }
         }
     }
@@ -85,7 +93,8 @@ impl Surplus {
             } else if it.token.is_closer() {
                 in_order &= closers.pop() == Some(it.token);
             }
-            braces += i64::from(it.token == Token::OpenCurly) - i64::from(it.token == Token::CloseCurly);
+            braces +=
+                i64::from(it.token == Token::OpenCurly) - i64::from(it.token == Token::CloseCurly);
         }
         match braces {
             _ if in_order && closers.is_empty() => None,
@@ -145,6 +154,13 @@ struct Repair<'a, 'f> {
     pending: bool,
     /// Where in the output the last `;` stands.
     separator: Option<usize>,
+    /// Where the item begins, and its first word.
+    item: u32,
+    kind: Option<Token<'a>>,
+    /// The first word of the member at hand.
+    member: Option<Token<'a>>,
+    /// Where the last token stands that is no closing bracket.
+    last_word: u32,
     /// Whether the token before was left out.
     just_dropped: bool,
 }
@@ -152,38 +168,89 @@ struct Repair<'a, 'f> {
 impl<'a> Repair<'a, '_> {
     /// Reads an item, which `after` follows.
     fn segment(&mut self, tokens: &[Placed<'a>], after: (u32, u32)) {
-        let is_system = tokens.first().is_some_and(|it| matches!(it.token, Token::Csg | Token::Shape | Token::Hull));
+        self.item = tokens.first().map_or(0, |it| it.start);
+        self.kind = tokens.first().map(|it| it.token);
+        let words = tokens.iter().filter(|it| !it.token.is_closer());
+        self.last_word = words.last().map_or(0, |it| it.start);
+        self.member = None;
         let mut rest = tokens;
-        let mut first_of_member = Token::Semicolon;
         while let [it, next @ ..] = rest {
             rest = next;
             if it.leads {
                 self.indent = it.start - it.line;
             }
-            let outer = self.open.last().map(|it| it.holds_members);
+            self.begin_member(it.token);
             match it.token {
-                Token::OpenCurly if outer.is_none() => self.open(it, is_system),
-                Token::OpenCurly => self.open(it, outer == Some(true) && first_of_member == Token::Priority),
-                token if token.closer().is_some() => self.open(it, false),
+                Token::OpenCurly => self.brace(it),
+                Token::OpenRound | Token::OpenSquare => self.open(it, false),
                 token if token.is_closer() => self.close(it, next.first()),
                 Token::Semicolon => self.semicolon(it, next.first()),
                 _ => self.other(it),
-            }
-            if self.open.last().is_some_and(|it| it.holds_members)
-                && self.out.iter().nth_back(1).is_none_or(|it| ends_member(it.token))
-            {
-                first_of_member = it.token;
             }
         }
         self.end(after);
     }
 
+    /// Takes note of the first word of a member.
+    fn begin_member(&mut self, token: Token<'a>) {
+        let among_members = self.open.last().is_some_and(|it| it.holds_members);
+        let may_begin = |it: &Placed<'_>| {
+            matches!(
+                it.token,
+                Token::Semicolon | Token::OpenCurly | Token::CloseCurly
+            )
+        };
+        if among_members && self.out.last().is_some_and(may_begin) {
+            self.member = Some(token);
+        }
+    }
+
+    fn brace(&mut self, it: &Placed<'a>) {
+        let is_system = matches!(self.kind, Some(Token::Csg | Token::Shape | Token::Hull));
+        if is_system
+            && self
+                .open
+                .first()
+                .is_some_and(|it| it.closer != Token::CloseCurly)
+        {
+            // The head of a system has no braces, so its parentheses end here.
+            self.unclosed((it.start, it.end));
+            self.close_down_to(0);
+        }
+        let begins_record = self.out.last().is_some_and(|it| it.token.is_name());
+        if self.kind == Some(Token::Scene)
+            && self.surplus == Surplus::Opening
+            && self.open.len() > 1
+            && begins_record
+        {
+            // A record stands in the scene itself, so the one before ends here.
+            let name = self.out.pop();
+            self.unclosed((it.start, it.end));
+            self.close_down_to(1);
+            self.out.extend(name);
+        }
+        let holds_members = match self.open.last() {
+            None => is_system,
+            Some(open) => open.holds_members && self.member == Some(Token::Priority),
+        };
+        self.open(it, holds_members);
+    }
+
     fn open(&mut self, it: &Placed<'a>, holds_members: bool) {
-        let Some(closer) = it.token.closer() else { return };
+        let Some(closer) = it.token.closer() else {
+            return;
+        };
         let is_body = it.token == Token::OpenCurly && std::mem::take(&mut self.pending);
         let place = Span::new(self.file, it.start, it.end);
         let (at, indent) = (self.out.len(), self.indent);
-        self.open.push(Open { place, closer, at, indent, holds_members, is_body });
+        self.open.push(Open {
+            place,
+            closer,
+            at,
+            indent,
+            holds_members,
+            is_body,
+        });
         *self.counts.of(closer) += 1;
         self.push(it);
     }
@@ -194,7 +261,8 @@ impl<'a> Repair<'a, '_> {
             return self.drop_closer(it);
         }
         if fits && it.token == Token::CloseCurly {
-            let goes_on = next.is_some_and(|it| !matches!(it.token, Token::Let | Token::Fn));
+            let goes_on = it.start < self.last_word
+                && next.is_some_and(|it| !matches!(it.token, Token::Let | Token::Fn));
             if self.surplus == Surplus::Closing && self.open.len() == 1 && goes_on {
                 return self.drop_closer(it);
             }
@@ -215,8 +283,17 @@ impl<'a> Repair<'a, '_> {
     /// Closes what was opened on lines that are indented deeper than the one that `brace` seems to belong to.
     fn close_deeper_than(&mut self, brace: &Placed<'a>) {
         let column = brace.start - brace.line;
-        let deeper = self.open.iter().rev().take_while(|open| open.indent > column).count();
-        let partner = self.open.len().checked_sub(deeper + 1).and_then(|at| self.open.get(at));
+        let deeper = self
+            .open
+            .iter()
+            .rev()
+            .take_while(|open| open.indent > column)
+            .count();
+        let partner = self
+            .open
+            .len()
+            .checked_sub(deeper + 1)
+            .and_then(|at| self.open.get(at));
         if deeper > 0 && partner.is_some_and(|it| it.indent == column && it.closer == brace.token) {
             self.unclosed((brace.start, brace.end));
             for _ in 0..deeper {
@@ -226,21 +303,35 @@ impl<'a> Repair<'a, '_> {
     }
 
     fn semicolon(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
-        if self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
+        if self
+            .open
+            .last()
+            .is_some_and(|open| open.closer != Token::CloseCurly)
+        {
             self.unclosed((it.start, it.end));
-            while self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
+            while self
+                .open
+                .last()
+                .is_some_and(|open| open.closer != Token::CloseCurly)
+            {
                 self.put_in_closer();
             }
         }
         let goes_on = next.is_some_and(|it| it.token != Token::CloseCurly);
-        if self.surplus == Surplus::Opening && goes_on && self.open.last().is_some_and(|open| open.is_body) {
+        if self.surplus == Surplus::Opening
+            && goes_on
+            && self.open.last().is_some_and(|open| open.is_body)
+        {
             self.unclosed((it.start, it.end));
             while self.open.last().is_some_and(|open| open.is_body) {
                 self.put_in_closer();
             }
         }
         if self.open.last().is_none_or(|open| open.holds_members) {
-            self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
+            self.forgiven = Counts {
+                curly: self.forgiven.curly,
+                ..Counts::default()
+            };
         }
         self.separator = Some(self.out.len());
         self.push(it);
@@ -251,6 +342,17 @@ impl<'a> Repair<'a, '_> {
         let begins_member = it.token.begins_member() && !matches!(it.token, Token::Let | Token::Fn);
         if is_arrow || begins_member {
             self.close_to_members(it, is_arrow);
+        }
+        let in_group = self.open.len() == 2 && self.open.last().is_some_and(|it| it.holds_members);
+        let in_record =
+            self.kind == Some(Token::Scene) && it.token == Token::Show && self.open.len() > 1;
+        if self.surplus == Surplus::Opening && (begins_member && in_group || in_record) {
+            // Neither has a place in a group of rules or in a record.
+            self.unclosed((it.start, it.end));
+            self.close_down_to(1);
+        }
+        if begins_member {
+            self.member = Some(it.token);
         }
         match it.token {
             Token::Repeat | Token::If | Token::Else => self.pending = true,
@@ -263,14 +365,19 @@ impl<'a> Repair<'a, '_> {
     /// An arrow or the first word of a member shows that all brackets within the member before are closed. The head of
     /// a rule stands before its arrow, so they are then closed before the last `;`.
     fn close_to_members(&mut self, it: &Placed<'a>, is_arrow: bool) {
-        let within = self.open.iter().rev().take_while(|open| !open.holds_members).count();
+        let within = self
+            .open
+            .iter()
+            .rev()
+            .take_while(|open| !open.holds_members)
+            .count();
         if within == 0 || within == self.open.len() {
             return;
         }
-        self.unclosed((it.start, it.end));
         let opened = self.open.last().map_or(0, |open| open.at);
         let head = self.separator.filter(|&at| is_arrow && at > opened);
         let tail = head.map(|at| self.out.split_off(at)).unwrap_or_default();
+        self.unclosed((it.start, it.end));
         for _ in 0..within {
             self.put_in_closer();
         }
@@ -282,10 +389,11 @@ impl<'a> Repair<'a, '_> {
         if !self.open.is_empty() {
             self.unclosed(after);
         }
-        while !self.open.is_empty() {
-            self.put_in_closer();
-        }
-        self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
+        self.close_down_to(0);
+        self.forgiven = Counts {
+            curly: self.forgiven.curly,
+            ..Counts::default()
+        };
         (self.pending, self.separator, self.just_dropped) = (false, None, false);
     }
 
@@ -300,12 +408,23 @@ impl<'a> Repair<'a, '_> {
         self.just_dropped = false;
     }
 
+    fn close_down_to(&mut self, depth: usize) {
+        while self.open.len() > depth {
+            self.put_in_closer();
+        }
+    }
+
     /// Closes the innermost bracket after the last token.
     fn put_in_closer(&mut self) {
         let Some(open) = self.pop() else { return };
         *self.forgiven.of(open.closer) += 1;
         if let Some(last) = self.out.last().copied() {
-            self.out.push(Placed { token: open.closer, start: last.end, leads: false, ..last });
+            self.out.push(Placed {
+                token: open.closer,
+                start: last.end,
+                leads: false,
+                ..last
+            });
         }
     }
 
@@ -315,7 +434,9 @@ impl<'a> Repair<'a, '_> {
         if *forgiven > 0 {
             *forgiven -= 1;
         } else if !self.just_dropped {
-            let kind = SyntaxErrorKind::UnopenedBracket { close: letter(it.token) };
+            let kind = SyntaxErrorKind::UnopenedBracket {
+                close: letter(it.token),
+            };
             self.report((it.start, it.end), kind, Some((it.start, it.start)));
         }
         self.just_dropped = true;
@@ -323,23 +444,43 @@ impl<'a> Repair<'a, '_> {
 
     /// Tells that the innermost bracket is open, which `found` shows.
     fn unclosed(&mut self, found: (u32, u32)) {
-        let Some(open) = self.open.last().copied() else { return };
-        let kind = SyntaxErrorKind::UnclosedBracket { open: open.place, close: letter(open.closer) };
-        let until = self.out.last().map_or(found.0, |it| it.end).saturating_sub(1);
-        self.report(found, kind, (!open.holds_members).then_some((open.place.start, until)));
+        let Some(open) = self.open.last().copied() else {
+            return;
+        };
+        let kind = SyntaxErrorKind::UnclosedBracket {
+            open: open.place,
+            close: letter(open.closer),
+        };
+        let until = self
+            .out
+            .last()
+            .map_or(found.0, |it| it.end)
+            .saturating_sub(1);
+        self.report(
+            found,
+            kind,
+            (!open.holds_members).then_some((open.place.start, until)),
+        );
     }
 
-    fn report(&mut self, (start, end): (u32, u32), kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {
+    fn report(
+        &mut self,
+        (start, end): (u32, u32),
+        kind: SyntaxErrorKind,
+        confuses: Option<(u32, u32)>,
+    ) {
         if self.findings.len() < MAX_ERRORS {
-            let error = SyntaxError { span: Span::new(self.file, start, end), kind };
-            self.findings.push(Finding { error, confuses });
+            let error = SyntaxError {
+                span: Span::new(self.file, start, end),
+                kind,
+            };
+            self.findings.push(Finding {
+                error,
+                confuses,
+                item: Some(self.item),
+            });
         }
     }
-}
-
-/// Whether a member may begin after this.
-fn ends_member(token: Token<'_>) -> bool {
-    matches!(token, Token::Semicolon | Token::OpenCurly | Token::CloseCurly)
 }
 
 fn letter(closer: Token<'_>) -> char {

@@ -57,7 +57,11 @@ fn look_alike(letter: char) -> Option<&'static str> {
 
 /// Whether `letter` shows nothing, so that leaving it out is what a reader would do.
 pub(crate) fn is_blank(letter: char) -> bool {
-    letter.is_whitespace() || letter.is_control() || is_hidden(letter) || letter == '\u{AD}' || letter == '°'
+    letter.is_whitespace()
+        || letter.is_control()
+        || is_hidden(letter)
+        || letter == '\u{AD}'
+        || letter == '°'
 }
 
 /// Whether `letter` is invisible or changes the direction of text, so that a program may look like another one.

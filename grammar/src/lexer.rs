@@ -39,7 +39,11 @@ pub(crate) struct Lexed<'a> {
 
 /// Reads the tokens of `text`, which is shorter than 4 GiB.
 pub(crate) fn lex(file: FileId, text: &str) -> Lexed<'_> {
-    let skipped = if text.starts_with('\u{FEFF}') { '\u{FEFF}'.len_utf8() } else { 0 };
+    let skipped = if text.starts_with('\u{FEFF}') {
+        '\u{FEFF}'.len_utf8()
+    } else {
+        0
+    };
     let mut reader = Reader {
         file,
         text,
@@ -132,10 +136,18 @@ impl<'a> Reader<'a> {
         }
         self.seen = end;
         if !self.pending_doc.is_empty() {
-            self.found.docs.push((start as u32, std::mem::take(&mut self.pending_doc)));
+            self.found
+                .docs
+                .push((start as u32, std::mem::take(&mut self.pending_doc)));
         }
         let (start, end, line) = (start as u32, end as u32, self.line as u32);
-        self.found.tokens.push(Placed { token, start, end, line, leads });
+        self.found.tokens.push(Placed {
+            token,
+            start,
+            end,
+            line,
+            leads,
+        });
     }
 
     /// Puts the tokens of `twin` where something else stands for it.
@@ -155,7 +167,8 @@ impl<'a> Reader<'a> {
             if !self.pending_doc.is_empty() {
                 self.pending_doc.push('\n');
             }
-            self.pending_doc.push_str(line.strip_prefix(' ').unwrap_or(line).trim_end());
+            self.pending_doc
+                .push_str(line.strip_prefix(' ').unwrap_or(line).trim_end());
         }
     }
 
@@ -173,7 +186,11 @@ impl<'a> Reader<'a> {
         }
         if let Some((at, found)) = words.char_indices().find(|it| foreign::is_hidden(it.1)) {
             let at = start + at;
-            self.error(at, at + found.len_utf8(), SyntaxErrorKind::BadCharacter { found, twin: None });
+            self.error(
+                at,
+                at + found.len_utf8(),
+                SyntaxErrorKind::BadCharacter { found, twin: None },
+            );
         }
     }
 
@@ -195,9 +212,20 @@ impl<'a> Reader<'a> {
         self.logos.bump(junk.len());
         if !junk.is_empty() {
             let problem = number_problem(self.slice(start, end), junk);
+            if matches!(
+                problem,
+                NumberProblem::TwoPoints | NumberProblem::NothingAfterPoint
+            ) {
+                // It could be a range with a point too few as well.
+                self.found.doubtful.push(start as u32);
+            }
             self.error(start, end + junk.len(), SyntaxErrorKind::BadNumber(problem));
         } else if value.is_infinite() {
-            self.error(start, end, SyntaxErrorKind::BadNumber(NumberProblem::TooLarge));
+            self.error(
+                start,
+                end,
+                SyntaxErrorKind::BadNumber(NumberProblem::TooLarge),
+            );
         }
         let value = if value.is_finite() { value } else { f64::MAX };
         self.push(Token::Number(value), start, end + junk.len());
@@ -205,22 +233,39 @@ impl<'a> Reader<'a> {
 
     /// Reports the character at `start`, which no token begins with, and goes on with what was probably meant.
     fn bad_character(&mut self, start: usize) {
-        let Some(found) = self.text.get(start..).and_then(|it| it.chars().next()) else { return };
+        let Some(found) = self.text.get(start..).and_then(|it| it.chars().next()) else {
+            return;
+        };
         if let Some(closing) = foreign::closing_quotes(found) {
-            let line = self.logos.remainder().split('\n').next().unwrap_or_default();
+            let line = self
+                .logos
+                .remainder()
+                .split('\n')
+                .next()
+                .unwrap_or_default();
             if let Some(at) = line.find(closing) {
-                let mark = line.get(at..).and_then(|it| it.chars().next()).map_or(1, char::len_utf8);
+                let mark = line
+                    .get(at..)
+                    .and_then(|it| it.chars().next())
+                    .map_or(1, char::len_utf8);
                 return self.foreign_quotes(found, start, at, mark);
             }
         }
         let twin = foreign::twin(found);
-        self.error(start, start + found.len_utf8(), SyntaxErrorKind::BadCharacter { found, twin });
+        self.error(
+            start,
+            start + found.len_utf8(),
+            SyntaxErrorKind::BadCharacter { found, twin },
+        );
         match twin {
             _ if foreign::is_blank(found) => self.skip(foreign::is_blank),
             _ if found.is_alphabetic() => self.foreign_word(start),
             Some(twin) if twin != "\"" => self.push_twin(twin, start, start + found.len_utf8()),
             _ => {
-                self.skip(|it| !it.is_ascii() && !it.is_alphanumeric() && foreign::twin(it).is_none());
+                self.skip(|it| {
+                    it == found
+                        || !it.is_ascii() && !it.is_alphanumeric() && foreign::twin(it).is_none()
+                });
                 self.push(Token::Bad, start, self.place().1);
             }
         }
@@ -229,7 +274,9 @@ impl<'a> Reader<'a> {
     /// Leaves out what follows as long as it is of one kind.
     fn skip(&mut self, kind: impl Fn(char) -> bool) {
         let rest = self.logos.remainder();
-        let length = rest.find(|it| !kind(it) || it == '\n').unwrap_or(rest.len());
+        let length = rest
+            .find(|it| !kind(it) || it == '\n')
+            .unwrap_or(rest.len());
         self.logos.bump(length);
     }
 
@@ -237,8 +284,15 @@ impl<'a> Reader<'a> {
     fn foreign_word(&mut self, start: usize) {
         self.skip(|it| it.is_alphanumeric() || it == '_');
         let end = self.place().1;
-        let head = self.found.tokens.last().copied().filter(|it| it.end as usize == start);
-        let head = head.map(|it| it.start as usize).filter(|&at| is_word(self.slice(at, start)));
+        let head = self
+            .found
+            .tokens
+            .last()
+            .copied()
+            .filter(|it| it.end as usize == start);
+        let head = head
+            .map(|it| it.start as usize)
+            .filter(|&at| is_word(self.slice(at, start)));
         match head {
             Some(at) => {
                 if let Some(last) = self.found.tokens.last_mut() {
@@ -257,7 +311,11 @@ impl<'a> Reader<'a> {
         self.logos.bump(at + mark);
         let twin = Some("\"");
         self.error(start, first, SyntaxErrorKind::BadCharacter { found, twin });
-        self.push(Token::Text(self.slice(first, first + at)), start, first + at + mark);
+        self.push(
+            Token::Text(self.slice(first, first + at)),
+            start,
+            first + at + mark,
+        );
     }
 }
 
@@ -272,7 +330,8 @@ fn junk_after_number(rest: &str) -> &str {
     let mut letters = rest.char_indices().peekable();
     while let Some((at, letter)) = letters.next() {
         let is_range = letter == '.' && letters.peek().is_some_and(|it| it.1 == '.');
-        let touches = letter.is_alphabetic() || letter.is_ascii_digit() || letter == '_' || letter == '.';
+        let touches =
+            letter.is_alphabetic() || letter.is_ascii_digit() || letter == '_' || letter == '.';
         if is_range || !touches {
             break;
         }
@@ -280,8 +339,13 @@ fn junk_after_number(rest: &str) -> &str {
     }
     let junk = rest.get(..length).unwrap_or_default();
     // The sign of an exponent that never comes.
-    let signed = matches!(junk, "e" | "E") && rest.get(1..).is_some_and(|it| it.starts_with(['+', '-']));
-    if signed { rest.get(..2).unwrap_or(junk) } else { junk }
+    let signed =
+        matches!(junk, "e" | "E") && rest.get(1..).is_some_and(|it| it.starts_with(['+', '-']));
+    if signed {
+        rest.get(..2).unwrap_or(junk)
+    } else {
+        junk
+    }
 }
 
 /// What is wrong with `number` when `junk` touches it.
@@ -289,10 +353,19 @@ fn number_problem(number: &str, junk: &str) -> NumberProblem {
     match junk {
         "e" | "E" | "e+" | "e-" | "E+" | "E-" => NumberProblem::NoExponent,
         _ if junk.starts_with('.') => {
-            let has_point = number.contains('.') || junk.get(1..).is_some_and(|it| it.starts_with(|it: char| it.is_ascii_digit()));
-            if has_point { NumberProblem::TwoPoints } else { NumberProblem::NothingAfterPoint }
+            let has_point = number.contains('.')
+                || junk
+                    .get(1..)
+                    .is_some_and(|it| it.starts_with(|it: char| it.is_ascii_digit()));
+            if has_point {
+                NumberProblem::TwoPoints
+            } else {
+                NumberProblem::NothingAfterPoint
+            }
         }
-        _ if number == "0" && junk.starts_with(['x', 'X', 'b', 'B', 'o', 'O']) => NumberProblem::NotDecimal,
+        _ if number == "0" && junk.starts_with(['x', 'X', 'b', 'B', 'o', 'O']) => {
+            NumberProblem::NotDecimal
+        }
         _ => NumberProblem::Letters,
     }
 }

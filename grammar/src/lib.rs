@@ -15,6 +15,7 @@ mod lexer;
 mod parse;
 mod span;
 mod statements;
+mod stretches;
 mod text;
 mod token;
 mod verdict;
@@ -35,8 +36,19 @@ pub const MAX_SOURCE_BYTES: usize = 4 << 20;
 pub const MAX_ERRORS: usize = 1000;
 
 /// What LALRPOP makes of `grammar.lalrpop`.
-#[allow(clippy::all, clippy::unwrap_used, clippy::needless_pass_by_value, clippy::cloned_instead_of_copied)]
-#[allow(clippy::semicolon_if_nothing_returned, clippy::panic, unused_imports, unreachable_pub, missing_docs)]
+#[allow(
+    clippy::all,
+    clippy::unwrap_used,
+    clippy::needless_pass_by_value,
+    clippy::cloned_instead_of_copied
+)]
+#[allow(
+    clippy::semicolon_if_nothing_returned,
+    clippy::panic,
+    unused_imports,
+    unreachable_pub,
+    missing_docs
+)]
 mod grammar {
     lalrpop_util::lalrpop_mod!(inner, "/grammar.rs");
     pub(crate) use inner::FileParser;

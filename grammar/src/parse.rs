@@ -1,10 +1,9 @@
 //! Text in, tree and mistakes out.
 
-use std::cell::Cell;
 use std::convert::Infallible;
 
 use crate::brackets::balance;
-use crate::context::Context;
+use crate::context::{Context, Progress};
 use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::lexer::lex;
 use crate::statements::mark;
@@ -25,45 +24,129 @@ pub struct Parsed {
 pub fn parse(file: FileId, text: &str) -> Parsed {
     if text.len() > MAX_SOURCE_BYTES {
         let kind = SyntaxErrorKind::SourceTooLong { bytes: text.len() };
-        let errors = vec![SyntaxError { span: Span::new(file, 0, 0), kind }];
-        return Parsed { file: ast::File::default(), errors };
+        let errors = vec![SyntaxError {
+            span: Span::new(file, 0, 0),
+            kind,
+        }];
+        return Parsed {
+            file: ast::File::default(),
+            errors,
+        };
     }
     let mut lexed = lex(file, text);
     let mut findings = Vec::new();
     let balanced = balance(file, text.len() as u32, &lexed.tokens, &mut findings);
-    let statements = mark(file, balanced.as_ref().unwrap_or(&lexed.tokens), &mut findings);
+    let statements = mark(
+        file,
+        balanced.as_ref().unwrap_or(&lexed.tokens),
+        &mut findings,
+    );
 
-    let count = Cell::new(0);
-    let mut context = Context::new(file, std::mem::take(&mut lexed.docs), &count);
-    let stream = Stream { tokens: statements.tokens.iter(), count: &count, in_item: false, last: 0 };
-    let items = grammar::FileParser::new().parse(&mut context, stream).unwrap_or_else(|error| {
-        context.problem(error, (0, 0));
-        Vec::new()
-    });
+    let progress = Progress::default();
+    let mut context = Context::new(file, std::mem::take(&mut lexed.docs), &progress);
+    let stream = Stream::new(&statements.tokens, &progress);
+    let items = grammar::FileParser::new()
+        .parse(&mut context, stream)
+        .unwrap_or_else(|error| {
+            context.problem(error, (0, 0));
+            Vec::new()
+        });
     let comments = std::mem::take(&mut lexed.comments);
-    let errors = Verdict::new(file, text, &lexed, &statements, &findings, &context.mistakes).errors(findings);
-    Parsed { file: ast::File { items, comments }, errors }
+    let errors = Verdict::new(
+        file,
+        text,
+        &lexed,
+        &statements,
+        &findings,
+        &context.mistakes,
+    )
+    .errors(findings);
+    Parsed {
+        file: ast::File { items, comments },
+        errors,
+    }
 }
 
-/// Hands tokens to the parser until there are too many errors; then the item at hand is ended, and that was all.
+/// Hands tokens to the parser.
+///
+/// For each token that it leaves out after a mistake, LALRPOP's parser looks through its whole stack. So that a text can't
+/// use that to take up time, the rest of a statement is kept from it once that has cost too much; and after too many
+/// mistakes the item at hand is ended, and that was all.
 struct Stream<'t, 'a> {
     tokens: std::slice::Iter<'t, (u32, Token<'a>, u32)>,
-    count: &'t Cell<usize>,
+    progress: &'t Progress,
+    /// How many brackets are open.
+    depth: usize,
     in_item: bool,
     last: u32,
+    /// How many pieces there were when the last was made.
+    pieces: usize,
+    /// How many tokens have made no piece since. An opening bracket needs not make one.
+    idle: usize,
+    /// How many entries of the stack have been looked through in vain, roughly.
+    cost: usize,
+}
+
+impl<'t, 'a> Stream<'t, 'a> {
+    /// So many tokens in a row do not make a piece in a text without mistakes.
+    const MOST_IDLE: usize = 16;
+    /// Some tenths of a second.
+    const MOST_COST: usize = 1_000_000;
+
+    fn new(tokens: &'t [(u32, Token<'a>, u32)], progress: &'t Progress) -> Self {
+        Self {
+            tokens: tokens.iter(),
+            progress,
+            depth: 0,
+            in_item: false,
+            last: 0,
+            pieces: 0,
+            idle: 0,
+            cost: 0,
+        }
+    }
+
+    /// Takes note of a token that is handed out.
+    fn watch(&mut self, token: Token<'a>) {
+        let opens = token == Token::OpenBlock || token.closer().is_some();
+        if opens {
+            self.depth += 1;
+        } else if token.is_closer() {
+            self.depth = self.depth.saturating_sub(1);
+        }
+        let pieces = std::mem::replace(&mut self.pieces, self.progress.pieces.get());
+        if pieces != self.pieces {
+            self.idle = 0;
+        } else if !opens || self.idle > 0 {
+            self.idle += 1;
+        }
+        if self.idle > Self::MOST_IDLE {
+            self.cost += 1 + self.depth;
+        }
+    }
 }
 
 impl<'a> Iterator for Stream<'_, 'a> {
     type Item = Result<(u32, Token<'a>, u32), Infallible>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.count.get() >= MAX_ERRORS {
+        if self.progress.mistakes.get() >= MAX_ERRORS {
             self.tokens = [].iter();
-            return std::mem::take(&mut self.in_item).then_some(Ok((self.last, Token::EndItem, self.last)));
+            return std::mem::take(&mut self.in_item).then_some(Ok((
+                self.last,
+                Token::EndItem,
+                self.last,
+            )));
         }
-        let token = *self.tokens.next()?;
-        self.in_item = token.1 != Token::EndItem;
-        self.last = token.2;
-        Some(Ok(token))
+        loop {
+            let token = *self.tokens.next()?;
+            self.watch(token.1);
+            let is_end = matches!(token.1, Token::EndItem | Token::EndMember);
+            if is_end || self.cost <= Self::MOST_COST || self.idle <= Self::MOST_IDLE {
+                self.in_item = token.1 != Token::EndItem;
+                self.last = token.2;
+                return Some(Ok(token));
+            }
+        }
     }
 }

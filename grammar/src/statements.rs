@@ -18,6 +18,8 @@ pub(crate) struct Finding {
     pub(crate) error: SyntaxError,
     /// Where it begins to matter, and a place up to whose statement's end what is found may be only its consequence.
     pub(crate) confuses: Option<(u32, u32)>,
+    /// Where the item begins whose brackets are out of order.
+    pub(crate) item: Option<u32>,
 }
 
 /// What the parser gets to read.
@@ -34,14 +36,30 @@ impl Statements<'_> {
         let at = self.ends.partition_point(|&end| end <= offset);
         self.ends.get(at).copied().unwrap_or(u32::MAX)
     }
+
+    /// Where the statement before the one around `offset` ends.
+    pub(crate) fn end_before(&self, offset: u32) -> u32 {
+        let at = self.ends.partition_point(|&end| end <= offset);
+        at.checked_sub(1)
+            .and_then(|at| self.ends.get(at))
+            .copied()
+            .unwrap_or(0)
+    }
 }
 
 /// Adds the marks to `tokens`.
-pub(crate) fn mark<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Statements<'a> {
+pub(crate) fn mark<'a>(
+    file: FileId,
+    tokens: &[Placed<'a>],
+    findings: &mut Vec<Finding>,
+) -> Statements<'a> {
     let mut marker = Marker {
         file,
         findings,
-        out: Statements { tokens: Vec::with_capacity(tokens.len() + tokens.len() / 8), ends: Vec::new() },
+        out: Statements {
+            tokens: Vec::with_capacity(tokens.len() + tokens.len() / 8),
+            ends: Vec::new(),
+        },
         levels: vec![Level::new(Block::File)],
         height: 0,
         muted: None,
@@ -85,7 +103,13 @@ struct Level<'a> {
 
 impl Level<'_> {
     fn new(block: Block) -> Self {
-        Self { block, first: None, fresh: None, ifs: 0, signs: 0 }
+        Self {
+            block,
+            first: None,
+            fresh: None,
+            ifs: 0,
+            signs: 0,
+        }
     }
 
     fn holds_statements(&self) -> bool {
@@ -130,7 +154,7 @@ struct Marker<'a, 'f> {
 
 impl<'a> Marker<'a, '_> {
     fn read(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
-        if self.begins_statement(token.token, rest) {
+        if self.begins_statement(token, rest) {
             self.close_statement();
         }
         self.missing_comma(token, rest);
@@ -146,13 +170,16 @@ impl<'a> Marker<'a, '_> {
     }
 
     /// Whether a statement begins here, no matter whether the one before has its end.
-    fn begins_statement(&self, token: Token<'a>, rest: &[Placed<'a>]) -> bool {
-        let Some(level) = self.levels.last().filter(|it| it.first.is_some()) else { return false };
+    fn begins_statement(&self, placed: &Placed<'a>, rest: &[Placed<'a>]) -> bool {
+        let Some(level) = self.levels.last().filter(|it| it.first.is_some()) else {
+            return false;
+        };
+        let token = placed.token;
         let next = |at: usize| rest.get(at).map(|it| it.token);
         match level.block {
             Block::File => token.begins_item(next(0)) || matches!(token, Token::Let | Token::Fn),
             Block::Members | Block::Rules => {
-                let begins_label = token.is_name() && next(0) == Some(Token::Colon);
+                let begins_label = placed.leads && token.is_name() && next(0) == Some(Token::Colon);
                 begins_label || token.begins_member() && !self.stands_for_name(next(0))
             }
             Block::Scene => {
@@ -169,25 +196,43 @@ impl<'a> Marker<'a, '_> {
 
     /// Whether a reserved word at hand was meant as a name.
     fn stands_for_name(&self, next: Option<Token<'a>>) -> bool {
-        let needs_name = self.last.is_some_and(|it| it.token.reserved_word().is_some() && !it.token.ends_value());
+        let needs_name = self
+            .last
+            .is_some_and(|it| it.token.reserved_word().is_some() && !it.token.ends_value());
         needs_name || next == Some(Token::Assign)
     }
 
     /// Where `name:` follows a value without a comma, one is put in: nothing else begins like this.
     fn missing_comma(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
-        let begins_part = token.token.is_name() && rest.first().is_some_and(|it| it.token == Token::Colon);
+        let begins_part =
+            token.token.is_name() && rest.first().is_some_and(|it| it.token == Token::Colon);
         let in_brackets = self.levels.last().is_some_and(|it| !it.holds_statements());
-        let Some(last) = self.last.filter(|it| begins_part && in_brackets && it.token.ends_value()) else { return };
+        let Some(last) = self
+            .last
+            .filter(|it| begins_part && in_brackets && it.token.ends_value())
+        else {
+            return;
+        };
         self.insert(Token::Comma, last.end);
         self.report(last.end, last.end, SyntaxErrorKind::MissingComma, None);
     }
 
     fn open(&mut self, token: &Placed<'a>) {
         let is_brace = token.token == Token::OpenCurly;
-        let statement = self.levels.last().filter(|it| is_brace && it.ends_with_brace());
+        let statement = self
+            .levels
+            .last()
+            .filter(|it| is_brace && it.ends_with_brace());
         let block = statement.map_or(Block::Other, Level::block_of_brace);
-        let opening = if statement.is_some() { Token::OpenBlock } else { token.token };
-        self.push(&Placed { token: opening, ..*token });
+        let opening = if statement.is_some() {
+            Token::OpenBlock
+        } else {
+            token.token
+        };
+        self.push(&Placed {
+            token: opening,
+            ..*token
+        });
         self.levels.push(Level::new(block));
         self.height += 1;
         self.check_nesting(token);
@@ -202,7 +247,10 @@ impl<'a> Marker<'a, '_> {
         }
         self.push(token);
         let ends = token.token == Token::CloseCurly
-            && self.levels.last().is_some_and(|it| it.holds_statements() && it.ends_with_brace());
+            && self
+                .levels
+                .last()
+                .is_some_and(|it| it.holds_statements() && it.ends_with_brace());
         if ends {
             self.end_statement(token.end);
         }
@@ -232,7 +280,9 @@ impl<'a> Marker<'a, '_> {
             return;
         }
         let tail = self.out.tokens.split_off(at);
-        let Some(&(_, before, end)) = self.out.tokens.last() else { return };
+        let Some(&(_, before, end)) = self.out.tokens.last() else {
+            return;
+        };
         self.missing_semicolon(before, end);
         self.mark_end(end);
         if let (Some(level), Some(head)) = (self.levels.last_mut(), tail.first()) {
@@ -243,7 +293,13 @@ impl<'a> Marker<'a, '_> {
 
     /// Ends a statement that has no end of its own.
     fn close_statement(&mut self) {
-        let Some(level) = self.levels.last().filter(|it| it.holds_statements() && it.first.is_some()) else { return };
+        let Some(level) = self
+            .levels
+            .last()
+            .filter(|it| it.holds_statements() && it.first.is_some())
+        else {
+            return;
+        };
         let Some(last) = self.last else { return };
         if !level.ends_with_brace() {
             self.missing_semicolon(last.token, last.end);
@@ -273,7 +329,14 @@ impl<'a> Marker<'a, '_> {
 
     fn mark_end(&mut self, end: u32) {
         let is_item = self.levels.len() == 1;
-        self.insert(if is_item { Token::EndItem } else { Token::EndMember }, end);
+        self.insert(
+            if is_item {
+                Token::EndItem
+            } else {
+                Token::EndMember
+            },
+            end,
+        );
         if self.muted.is_none() {
             self.out.ends.push(end);
         }
@@ -304,23 +367,37 @@ impl<'a> Marker<'a, '_> {
     /// Counts what nests without brackets: `if if if a then ...` and `2 ^ -2 ^ -2`.
     fn count_nesting(&mut self, token: &Placed<'a>) {
         let last = self.last.map(|it| it.token);
-        let Some(level) = self.levels.last_mut() else { return };
+        let Some(level) = self.levels.last_mut() else {
+            return;
+        };
         let before = level.ifs + level.signs;
         match token.token {
             Token::If if last != Some(Token::Else) => level.ifs += 1,
             Token::Else => level.ifs = level.ifs.saturating_sub(1),
             Token::Minus if last == Some(Token::Caret) => level.signs += 1,
-            Token::Comma | Token::Semicolon | Token::OpenCurly | Token::Replace | Token::Append | Token::At => {
+            Token::Comma
+            | Token::Semicolon
+            | Token::OpenCurly
+            | Token::Replace
+            | Token::Append
+            | Token::At => {
                 (level.ifs, level.signs) = (0, 0);
             }
             _ => {}
         }
         let keeps_signs = matches!(
             token.token,
-            Token::Caret | Token::Dot | Token::Name(_) | Token::Number(_) | Token::Text(_) | Token::True | Token::False
+            Token::Caret
+                | Token::Dot
+                | Token::Name(_)
+                | Token::Number(_)
+                | Token::Text(_)
+                | Token::True
+                | Token::False
         );
         let is_bracket = token.token.closer().is_some() || token.token.is_closer();
-        let is_sign = token.token == Token::Minus && matches!(last, Some(Token::Caret | Token::Minus));
+        let is_sign =
+            token.token == Token::Minus && matches!(last, Some(Token::Caret | Token::Minus));
         if !(keeps_signs || is_bracket || is_sign) {
             level.signs = 0;
         }
@@ -333,15 +410,35 @@ impl<'a> Marker<'a, '_> {
         if self.height <= MAX_NESTING || self.muted.is_some() {
             return;
         }
-        let Some(at) = self.levels.iter().rposition(Level::holds_statements) else { return };
-        self.report(token.start, token.end, SyntaxErrorKind::NestingTooDeep, Some((token.start, token.start)));
+        let Some(at) = self.levels.iter().rposition(Level::holds_statements) else {
+            return;
+        };
+        self.report(
+            token.start,
+            token.end,
+            SyntaxErrorKind::NestingTooDeep,
+            Some((token.start, token.start)),
+        );
         self.muted = Some(at + 1);
     }
 
-    fn report(&mut self, start: u32, end: u32, kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {
+    fn report(
+        &mut self,
+        start: u32,
+        end: u32,
+        kind: SyntaxErrorKind,
+        confuses: Option<(u32, u32)>,
+    ) {
         if self.muted.is_none() && self.findings.len() < MAX_ERRORS {
-            let error = SyntaxError { span: Span::new(self.file, start, end), kind };
-            self.findings.push(Finding { error, confuses });
+            let error = SyntaxError {
+                span: Span::new(self.file, start, end),
+                kind,
+            };
+            self.findings.push(Finding {
+                error,
+                confuses,
+                item: None,
+            });
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::expected::{Situation, kind};
 use crate::lexer::Lexed;
 use crate::statements::{Finding, Statements};
-use crate::token::Token;
+use crate::stretches::{Groups, Stretches};
 use crate::{FileId, MAX_ERRORS, Span};
 
 pub(crate) struct Verdict<'t, 'a> {
@@ -16,8 +16,10 @@ pub(crate) struct Verdict<'t, 'a> {
     text: &'a str,
     lexed: &'t Lexed<'a>,
     mistakes: &'t [Mistake<'a>],
-    /// Stretches of text in which what is found may be a consequence of what stands at their beginning.
+    /// Stretches in which what is found may be a consequence of what stands at their beginning.
     confused: Stretches,
+    /// Those of them that the lexer found.
+    unreadable: Stretches,
     /// Stretches that the parser has left out.
     lost: Stretches,
     /// Where a token was put in that the parser had no place for.
@@ -33,15 +35,21 @@ impl<'t, 'a> Verdict<'t, 'a> {
         findings: &[Finding],
         mistakes: &'t [Mistake<'a>],
     ) -> Self {
-        let depths = Depths::of(statements);
-        // Where the parser went on inside brackets that it had not seen opened, it is out of step.
-        let out_of_step = mistakes.iter().filter(|it| depths.at(it.lost.0) != depths.at(it.lost.1));
-        let out_of_step = out_of_step.map(|it| it.found.map_or(it.lost.0, |it| it.0));
-        let doubtful = lexed.doubtful.iter().copied().chain(out_of_step).map(|it| (it, it));
-        let doubtful = doubtful.chain(findings.iter().filter_map(|it| it.confuses));
-        let confused = doubtful.map(|(from, until)| (from, statements.end_after(until)));
-        let confused = confused.chain(lexed.cut.map(|from| (from, u32::MAX)));
-        let put_in = mistakes.iter().filter_map(|it| it.found).filter(|it| it.0 == it.2);
+        let unreadable = unreadable(lexed, statements);
+        let mut confused = unreadable.clone();
+        confused.extend(
+            findings
+                .iter()
+                .filter_map(|it| it.confuses)
+                .map(|it| (it.0, statements.end_after(it.1))),
+        );
+        confused.extend(out_of_step(statements, mistakes));
+        confused.extend(no_rule(statements, mistakes));
+        confused.extend(unopened(statements, findings, mistakes));
+        let put_in = mistakes
+            .iter()
+            .filter_map(|it| it.found)
+            .filter(|it| it.0 == it.2);
         let mut in_vain: Vec<u32> = put_in.map(|it| it.0).collect();
         in_vain.sort_unstable();
         Self {
@@ -49,7 +57,8 @@ impl<'t, 'a> Verdict<'t, 'a> {
             text,
             lexed,
             mistakes,
-            confused: Stretches::new(confused.collect()),
+            confused: Stretches::new(confused),
+            unreadable: Stretches::new(unreadable),
             lost: Stretches::new(mistakes.iter().map(|it| it.lost).collect()),
             in_vain,
         }
@@ -58,8 +67,18 @@ impl<'t, 'a> Verdict<'t, 'a> {
     /// All that is to be told.
     pub(crate) fn errors(&self, findings: Vec<Finding>) -> Vec<SyntaxError> {
         let mut errors = self.lexed.errors.clone();
-        errors.extend(findings.into_iter().filter(|it| self.tells_finding(it)).map(|it| it.error));
-        errors.extend(self.mistakes.iter().filter(|it| self.tells_mistake(it)).map(|it| self.error(it)));
+        errors.extend(
+            findings
+                .into_iter()
+                .filter(|it| self.tells_finding(it))
+                .map(|it| it.error),
+        );
+        errors.extend(
+            self.mistakes
+                .iter()
+                .filter(|it| self.tells_mistake(it))
+                .map(|it| self.error(it)),
+        );
         errors.sort_by_key(|it| (it.span.start, it.span.end));
         errors.dedup();
         self.limit(&mut errors);
@@ -68,15 +87,29 @@ impl<'t, 'a> Verdict<'t, 'a> {
 
     fn tells_finding(&self, finding: &Finding) -> bool {
         let place = finding.error.span.start;
-        let put_in = matches!(finding.error.kind, SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma);
+        let put_in = matches!(
+            finding.error.kind,
+            SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma
+        );
         // What was put in and did not help, or where nothing could be read anyway, was not what is missing.
         let helps = self.in_vain.binary_search(&place).is_err() && !self.lost.hold(place);
-        !self.confused.hold(finding.confuses.map_or(place, |it| it.0)) && (helps || !put_in)
+        let (from, until) = finding.confuses.unwrap_or((place, place));
+        !self.confused.hold(from) && !self.unreadable.hold(until) && (helps || !put_in)
     }
 
     fn tells_mistake(&self, mistake: &Mistake<'_>) -> bool {
         // Of what is unreadable the lexer has spoken.
-        !matches!(mistake.found, Some((_, Token::Bad, _))) && !self.confused.hold(self.place(mistake))
+        let by_lexer = mistake.found.is_some_and(|(start, _, end)| {
+            let at = self
+                .lexed
+                .errors
+                .partition_point(|it| it.span.start < start);
+            self.lexed
+                .errors
+                .get(at)
+                .is_some_and(|it| it.span.start < end)
+        });
+        !by_lexer && !self.confused.hold(self.place(mistake))
     }
 
     fn place(&self, mistake: &Mistake<'_>) -> u32 {
@@ -100,13 +133,20 @@ impl<'t, 'a> Verdict<'t, 'a> {
         });
         let (start, end) = found.map_or((place, place), |it| (it.start, it.end));
         let (start, end) = match (&kind, before) {
-            (SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma, Some(before)) => (before.end, before.end),
-            (SyntaxErrorKind::ReservedWord { word }, Some(before)) if before.token.reserved_word() == Some(word) => {
+            (SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma, Some(before)) => {
+                (before.end, before.end)
+            }
+            (SyntaxErrorKind::ReservedWord { word }, Some(before))
+                if before.token.reserved_word() == Some(word) =>
+            {
                 (before.start, before.end)
             }
             _ => (start, end),
         };
-        SyntaxError { span: Span::new(self.file, start, end), kind }
+        SyntaxError {
+            span: Span::new(self.file, start, end),
+            kind,
+        }
     }
 
     /// Leaves so many errors as a reader can want, and says that there are more.
@@ -114,57 +154,97 @@ impl<'t, 'a> Verdict<'t, 'a> {
         if errors.len() >= MAX_ERRORS {
             errors.truncate(MAX_ERRORS);
             let place = errors.last().map_or(0, |it| it.span.end);
-            errors.push(SyntaxError { span: Span::new(self.file, place, place), kind: SyntaxErrorKind::TooManyErrors });
+            errors.push(SyntaxError {
+                span: Span::new(self.file, place, place),
+                kind: SyntaxErrorKind::TooManyErrors,
+            });
         }
     }
 }
 
-/// Stretches of text.
-struct Stretches(Vec<(u32, u32)>);
-
-impl Stretches {
-    fn new(mut stretches: Vec<(u32, u32)>) -> Self {
-        stretches.sort_unstable();
-        let mut merged: Vec<(u32, u32)> = Vec::with_capacity(stretches.len());
-        for stretch in stretches {
-            match merged.last_mut() {
-                Some(last) if stretch.0 < last.1 => last.1 = last.1.max(stretch.1),
-                _ => merged.push(stretch),
-            }
-        }
-        Self(merged)
-    }
-
-    /// Whether `offset` lies in one of them, and not at its beginning.
-    fn hold(&self, offset: u32) -> bool {
-        let at = self.0.partition_point(|it| it.0 < offset);
-        at.checked_sub(1).and_then(|at| self.0.get(at)).is_some_and(|it| offset <= it.1)
-    }
+/// What an unterminated text or comment has swallowed is missing in the whole statement.
+fn unreadable(lexed: &Lexed<'_>, statements: &Statements<'_>) -> Vec<(u32, u32)> {
+    let around = |&it: &u32| (statements.end_before(it), statements.end_after(it));
+    lexed
+        .doubtful
+        .iter()
+        .map(around)
+        .chain(lexed.cut.map(|it| (it, u32::MAX)))
+        .collect()
 }
 
-/// How many brackets are open after each bracket.
-struct Depths(Vec<(u32, usize)>);
+/// Where the parser went on in other brackets than those that the mistake is in, it is out of step.
+fn out_of_step(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+    let groups = Groups::of(statements);
+    let astray = mistakes
+        .iter()
+        .filter(|it| !groups.are_one(it.lost.0, it.lost.1));
+    let from = astray.map(|it| it.found.map_or(it.lost.0, |it| it.0));
+    from.map(|it| (it, statements.end_after(it))).collect()
+}
 
-impl Depths {
-    fn of(statements: &Statements<'_>) -> Self {
-        let mut depth = 0_usize;
-        let mut depths = Vec::new();
-        for &(_, token, end) in &statements.tokens {
-            if token.is_closer() {
-                depth = depth.saturating_sub(1);
-            } else if token == Token::OpenBlock || token.closer().is_some() {
-                depth += 1;
-            } else {
-                continue;
+/// Where an arrow is missing and something is wrong before that, the statement is no rule at all.
+fn no_rule(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+    let mut places: Vec<u32> = mistakes
+        .iter()
+        .filter_map(|it| it.found)
+        .map(|it| it.0)
+        .collect();
+    places.sort_unstable();
+    let without_arrow = mistakes
+        .iter()
+        .filter(|it| it.expected.iter().any(|it| it == "\"->\""));
+    let stretch = |place: u32| {
+        Some((
+            first_in(&places, statements.end_before(place), place)?,
+            place,
+        ))
+    };
+    without_arrow
+        .filter_map(|it| stretch(it.found?.0))
+        .collect()
+}
+
+/// The first of `places` between two offsets.
+fn first_in(places: &[u32], from: u32, until: u32) -> Option<u32> {
+    let at = places.partition_point(|&it| it < from);
+    places.get(at).copied().filter(|&it| it < until)
+}
+
+/// A bracket that is closed without being opened shows that the opening one is missing, and the first mistake before it
+/// shows where.
+fn unopened(
+    statements: &Statements<'_>,
+    findings: &[Finding],
+    mistakes: &[Mistake<'_>],
+) -> Vec<(u32, u32)> {
+    let mut needs_brace = Vec::new();
+    let mut all = Vec::new();
+    for mistake in mistakes {
+        if let Some((place, _, _)) = mistake.found {
+            all.push(place);
+            if mistake.expected.iter().any(|it| it.starts_with("\"{")) {
+                needs_brace.push(place);
             }
-            depths.push((end, depth));
         }
-        Self(depths)
     }
-
-    /// How many are open at `offset`.
-    fn at(&self, offset: u32) -> usize {
-        let at = self.0.partition_point(|it| it.0 <= offset);
-        at.checked_sub(1).and_then(|at| self.0.get(at)).map_or(0, |it| it.1)
+    all.sort_unstable();
+    needs_brace.sort_unstable();
+    let mut stretches = Vec::new();
+    let mut since = 0;
+    for finding in findings {
+        let (SyntaxErrorKind::UnopenedBracket { close }, Some(item)) =
+            (&finding.error.kind, finding.item)
+        else {
+            continue;
+        };
+        let place = finding.error.span.start;
+        let in_statement = first_in(&all, statements.end_before(place), place);
+        let in_item = first_in(&needs_brace, item.max(since), place).filter(|_| *close == '}');
+        if let Some(from) = in_item.or(in_statement) {
+            stretches.push((from, statements.end_after(place)));
+        }
+        since = place;
     }
+    stretches
 }

@@ -35,6 +35,15 @@ impl Chord {
     }
 }
 
+/// Adds the chord of a solid with one face. Chords that touch become one.
+pub(super) fn add_span(chords: &mut Chords, span: Span) {
+    match (chords.last_mut(), Chord::of_span(span)) {
+        (Some(last), Some(chord)) if chord.near.t <= last.far.t => last.far = chord.far,
+        (_, Some(chord)) => chords.push(chord),
+        (_, None) => {}
+    }
+}
+
 /// The t from the first number to the second.
 pub(super) type Span = (f64, f64);
 

@@ -138,7 +138,13 @@ impl Primitive {
         match &self.shape {
             Shape::Torus { r } => torus::chords(*r, ray, from.is_some()),
             Shape::Quadric(quadric) => quadric.chords(ray.origin, ray.direction, from.is_some()),
-            _ => self.convex_chord(ray, from).into_iter().collect(),
+            _ => {
+                let mut chords = Chords::new();
+                if let Some(chord) = self.convex_chord(ray, from) {
+                    chords.push(chord);
+                }
+                chords
+            }
         }
     }
 

@@ -2,9 +2,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::chord::{Chord, Chords};
+use super::chord::{Chords, Span, add_span};
 use super::eigen::eigen;
-use super::solve::{Quadratic, nearest, power_of_two_below, unit};
+use super::solve::{Quadratic, power_of_two_below, unit};
 
 /// Where `p·M p + 2 b·p + c <= 0`, with p counted from `base`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +35,25 @@ impl Quadric {
     }
 
     pub(super) fn chords(&self, origin: DVec3, direction: DVec3, on_surface: bool) -> Chords {
-        let shift = if on_surface { 0.0 } else { nearest(origin, direction, self.base) };
-        let p = (origin - self.base) + direction * shift;
+        let start = origin - self.base;
+        let shift = if on_surface { 0.0 } else { self.nearest(start, direction) };
+        let p = start + direction * shift;
         let quadratic = self.along(p, direction);
         let spans = if on_surface { spans_from_surface(&quadratic) } else { spans(&quadratic) };
-        spans.into_iter().flatten().filter_map(|(near, far)| Chord::of_span((near + shift, far + shift))).collect()
+        let mut chords = Chords::new();
+        for (near, far) in spans.into_iter().flatten() {
+            add_span(&mut chords, (near + shift, far + shift));
+        }
+        chords
+    }
+
+    /// How far along a line the numbers of the equation are smallest: where it is nearest to the base, not counting directions
+    /// in which nothing changes (as along the axis of a cylinder).
+    fn nearest(&self, start: DVec3, direction: DVec3) -> f64 {
+        let (bend, speed) = (self.matrix * direction, self.linear.dot(direction));
+        let square = bend.dot(bend) + speed * speed;
+        let shift = -((self.matrix * start).dot(bend) + self.linear.dot(start) * speed) / square;
+        if shift.is_finite() { shift } else { 0.0 }
     }
 
     /// The left side of the inequality along a line.
@@ -69,10 +83,10 @@ impl Quadric {
 }
 
 /// The whole line.
-const ALL: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+const ALL: Span = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// Where the function is not positive.
-fn spans(f: &Quadratic) -> [Option<(f64, f64)>; 2] {
+fn spans(f: &Quadratic) -> [Option<Span>; 2] {
     if f.a == 0.0 {
         let root = -f.c / (2.0 * f.b);
         return if f.b > 0.0 {
@@ -92,7 +106,7 @@ fn spans(f: &Quadratic) -> [Option<(f64, f64)>; 2] {
 }
 
 /// The same for a line that starts on the surface.
-fn spans_from_surface(f: &Quadratic) -> [Option<(f64, f64)>; 2] {
+fn spans_from_surface(f: &Quadratic) -> [Option<Span>; 2] {
     if f.a == 0.0 {
         return if f.b > 0.0 {
             [Some((f64::NEG_INFINITY, 0.0)), None]
@@ -110,7 +124,7 @@ fn spans_from_surface(f: &Quadratic) -> [Option<(f64, f64)>; 2] {
 }
 
 /// Between the roots of an upright parabola, around those of one upside down.
-fn split(a: f64, (first, second): (f64, f64)) -> [Option<(f64, f64)>; 2] {
+fn split(a: f64, (first, second): Span) -> [Option<Span>; 2] {
     if a > 0.0 {
         [Some((first, second)), None]
     } else {

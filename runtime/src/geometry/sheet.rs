@@ -36,7 +36,12 @@ impl Sheet {
                 (c < 0.0 && self.start > 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY))
             };
         }
-        let (first, second) = self.quadratic.roots(self.discriminant)?;
+        let (first, second) = match self.quadratic.roots(self.discriminant) {
+            Some(roots) => roots,
+            // Through the apex, where both sheets meet.
+            None if a < 0.0 && self.discriminant <= 0.0 => (-b / a, -b / a),
+            None => return None,
+        };
         if a > 0.0 {
             // Both roots are on the same sheet.
             return (self.start - self.speed * (b / a) > 0.0).then_some((first, second));
@@ -49,11 +54,13 @@ impl Sheet {
     #[inline]
     pub(super) fn span_from_surface(&self) -> Option<Span> {
         let Quadratic { a, b, .. } = self.quadratic;
+        let steep = a < 0.0;
         if a > 0.0 {
             Some(self.quadratic.roots_from_zero())
-        } else if b < 0.0 && self.speed > 0.0 {
+        } else if self.speed > 0.0 && (b < 0.0 || b == 0.0 && steep) {
+            // Where b is 0 a steep line goes through the apex.
             Some((0.0, f64::INFINITY))
-        } else if b > 0.0 && self.speed < 0.0 {
+        } else if self.speed < 0.0 && (b > 0.0 || b == 0.0 && steep) {
             Some((f64::NEG_INFINITY, 0.0))
         } else {
             // It runs along the surface.

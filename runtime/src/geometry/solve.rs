@@ -64,7 +64,7 @@ pub(super) fn nearest(origin: DVec3, direction: DVec3, centre: DVec3) -> f64 {
 /// `vector` with length 1; up if it has none.
 pub(super) fn unit(vector: DVec3) -> DVec3 {
     let size = vector.abs().max_element();
-    if size > 0.0 && size.is_finite() {
+    if size > 0.0 && vector.is_finite() {
         // Its greatest part becomes 1 first, so that no square is out of range.
         let scaled = vector / size;
         scaled / scaled.length()

@@ -5,7 +5,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::chord::{Chord, Chords};
+use super::chord::{Chords, add_span};
 use super::ray::Ray;
 use super::solve::{around, nearest, unit};
 
@@ -25,8 +25,11 @@ pub(super) fn chords(r: f64, ray: &Ray, on_surface: bool) -> Chords {
     } else {
         (Line::new(r, foot, direction).roots(low, high), shift)
     };
-    let span = |pair: &[f64]| Chord::of_span(((pair[0] + shift) / length, (pair[1] + shift) / length));
-    roots.chunks_exact(2).filter_map(span).collect()
+    let mut chords = Chords::new();
+    for pair in roots.chunks_exact(2) {
+        add_span(&mut chords, ((pair[0] + shift) / length, (pair[1] + shift) / length));
+    }
+    chords
 }
 
 /// The outward normal: away from the nearest point of the circle.
@@ -93,7 +96,11 @@ impl Line {
             .collect();
         let place = roots.iter().filter(|t| **t < 0.0).count();
         roots.insert(place, 0.0);
-        roots
+        if roots.len().is_multiple_of(2) {
+            return roots;
+        }
+        // At a cusp, where both shells meet, 0 is a root of both.
+        self.roots(low, high)
     }
 
     /// Whether a root is on the outer shell; only for r > 1 there is an inner one.

@@ -11,21 +11,25 @@ use crate::form::{Background, Scene, Sky, Sun};
 /// just does not clip.
 ///
 /// It is a constant of the renderer and not measured from a scene, so that a sun of half the strength looks half as strong.
-pub const EXPOSURE: f64 = 0.76;
+pub const EXPOSURE: f64 = 0.68;
 
 /// How bright the sky lights a surface, in suns, where its colour is white.
-const SKY_LEVEL: f64 = 0.62;
+const SKY_LEVEL: f64 = 0.84;
 /// How much of a sky's colour is left in its light: clouds and the air near the horizon are paler than the zenith.
-const SKY_SATURATION: f64 = 0.62;
+const SKY_SATURATION: f64 = 0.4;
 /// What the ground throws back, of the light from above.
-const GROUND_LEVEL: f64 = 0.3;
+const GROUND_LEVEL: f64 = 0.36;
 /// Earth and grass throw back less blue.
 const GROUND_TINT: DVec3 = DVec3::new(1.06, 1.0, 0.86);
 /// How much brighter the sky is on the side of the first sun: surfaces that face away from it differ by how far.
 const SUNWARD: f64 = 0.3;
 
-/// The default sun, as seen from the camera: over the left shoulder, the keylight of photographers.
-const DEFAULT_SUN: [f64; 3] = [-0.62, 0.5, 0.95];
+/// The default sun, as seen from the camera (right, back, up): over the left shoulder, the key light of photographers.
+const DEFAULT_SUN: [f64; 3] = [-0.75, 0.35, 1.05];
+/// It is warm, which sets it off from the shadows,
+const DEFAULT_SUN_COLOR: [f64; 3] = [1.0, 0.965, 0.9];
+/// and a bit stronger than others, since it is mostly grey that it lights.
+const DEFAULT_SUN_STRENGTH: f64 = 1.25;
 
 /// All that lights a scene.
 #[derive(Clone, Debug)]
@@ -81,11 +85,7 @@ impl Lights {
         let sky = scene.sky.clone().unwrap_or_default();
         let suns: Vec<SunLight> = suns.iter().enumerate().filter_map(|(i, sun)| SunLight::new(sun, i as u64)).collect();
         let side = suns.first().and_then(|sun| unit(sun.toward.with_z(0.0))).unwrap_or(DVec3::ZERO);
-        Self {
-            suns,
-            haze: sky.haze.max(0.0),
-            sky: SkyLight::new(&sky, side, scene.image.background == Background::Sky),
-        }
+        Self { suns, haze: sky.haze.max(0.0), sky: SkyLight::new(&sky, side, scene.image.background == Background::Sky) }
     }
 }
 
@@ -126,8 +126,8 @@ impl SkyLight {
             sunward: light * (SUNWARD / 2.0),
             side,
             zenith: color,
-            horizon: color.lerp(DVec3::splat(sky.strength.max(0.0)), 0.62),
-            below: color.lerp(DVec3::splat(sky.strength.max(0.0)), 0.3) * 0.62,
+            horizon: color.lerp(DVec3::splat(sky.strength.max(0.0)), 0.5),
+            below: color.lerp(pale, 0.5) * 0.5,
             visible,
         }
     }
@@ -165,7 +165,7 @@ impl SkyLight {
 fn default_sun(rays: &Rays) -> Sun {
     let [right, back, up] = DEFAULT_SUN;
     let toward = rays.right() * right - rays.forward() * back + DVec3::Z * up;
-    Sun { direction: -toward, color: [1.0; 3], strength: 1.0, size: 0.0 }
+    Sun { direction: -toward, color: DEFAULT_SUN_COLOR, strength: DEFAULT_SUN_STRENGTH, size: 0.0 }
 }
 
 fn luminance(color: DVec3) -> f64 {

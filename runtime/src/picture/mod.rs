@@ -8,6 +8,7 @@
 mod camera;
 mod color;
 mod exr_header;
+mod framing;
 mod job;
 mod light;
 mod pixel;
@@ -19,10 +20,10 @@ mod write_exr;
 mod write_png;
 
 use crate::fault::Fault;
-use crate::form::{Camera, Scene};
+use crate::form::Scene;
 use crate::trace::Tracer;
 
-pub use camera::frame;
+pub use framing::frame;
 pub use light::EXPOSURE;
 pub use view::{MAX_PIXELS, MAX_SAMPLES};
 pub use write_exr::write_exr;
@@ -134,11 +135,7 @@ pub fn render(scene: &Scene, tracer: &dyn Tracer, options: &RenderOptions, watch
     let view = view::View::new(scene, options)?;
     let camera = match &scene.camera {
         Some(camera) => camera.clone(),
-        None => default_camera(tracer, &view)?,
+        None => frame(tracer, view.width, view.height)?,
     };
     job::render(scene, &view, &camera, tracer, watch)
-}
-
-fn default_camera(tracer: &dyn Tracer, view: &view::View) -> Result<Camera, Fault> {
-    Ok(frame(&tracer.finite_bounds()?, view.width, view.height))
 }

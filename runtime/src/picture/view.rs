@@ -2,7 +2,7 @@
 
 use super::{Rect, RenderOptions};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Background, Origin, Scene};
+use crate::form::{Origin, Scene};
 
 /// The most pixels that a picture has.
 pub const MAX_PIXELS: u64 = 1 << 26;
@@ -19,7 +19,6 @@ pub(super) struct View {
     pub(super) crop: Rect,
     pub(super) samples: u32,
     pub(super) most: u32,
-    pub(super) background: Background,
     pub(super) layers: bool,
     pub(super) tile: u32,
 }
@@ -44,7 +43,6 @@ impl View {
             crop: crop(options.crop, width, height)?,
             samples,
             most,
-            background: image.background,
             layers: options.layers,
             tile: options.tile.clamp(1, 256),
         })

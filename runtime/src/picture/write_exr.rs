@@ -2,11 +2,11 @@
 
 use std::io::{self, Seek, Write};
 
-use exr::prelude::{
-    AttributeValue, Compression, Encoding, Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, SpecificChannels,
-    Text, Vec2, WritableImage,
-};
 use exr::image::Blocks;
+use exr::prelude::{
+    AttributeValue, Compression, Encoding, Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder,
+    SpecificChannels, Text, Vec2, WritableImage,
+};
 
 use super::exr_header::SortedHeader;
 use super::{Layers, Picture};

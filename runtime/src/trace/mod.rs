@@ -3,6 +3,7 @@
 //! There are two tracers of one shape. [`reference`] walks the graph by the book (GT95, section 3): slow, short, obviously right.
 //! The other is fast and goes through states and cells. Whoever shades cannot tell which one filled a [`Sample`].
 
+pub mod cells;
 mod expand;
 mod liveness;
 pub mod reference;

@@ -84,7 +84,7 @@ impl Tracer for Reference<'_> {
 
     fn finite_bounds(&self) -> Result<Aabb, Fault> {
         // What a box is does not depend on how rays are traced, and going through every copy by the book would take for ever.
-        Ok(Aabb::EMPTY) // INTEGRATOR: cells' bounds
+        super::cells::finite_bounds(self.scene, &self.limits)
     }
 }
 

@@ -10,28 +10,28 @@ use treegen_runtime::{Fault, FaultKind};
 
 /// A sphere.
 #[derive(Clone, Copy, Debug)]
-pub struct Sphere {
-    pub center: DVec3,
-    pub radius: f64,
-    pub material: Option<MaterialId>,
+pub(crate) struct Sphere {
+    pub(crate) center: DVec3,
+    pub(crate) radius: f64,
+    pub(crate) material: Option<MaterialId>,
 }
 
 /// The spheres, and the plane z = 0 where it is wanted.
 #[derive(Clone, Debug, Default)]
-pub struct Spheres {
-    pub spheres: Vec<Sphere>,
-    pub ground: bool,
+pub(crate) struct Spheres {
+    pub(crate) spheres: Vec<Sphere>,
+    pub(crate) ground: bool,
     /// Rays that come down in here, on the plane z = 0, meet a fault.
-    pub faulty: Option<fn(DVec3) -> bool>,
+    pub(crate) faulty: Option<fn(DVec3) -> bool>,
 }
 
 /// A sphere without paint.
-pub fn sphere(center: [f64; 3], radius: f64) -> Sphere {
+pub(crate) fn sphere(center: [f64; 3], radius: f64) -> Sphere {
     Sphere { center: center.into(), radius, material: None }
 }
 
 /// A scene around an empty graph: the tracer brings what is seen.
-pub fn scene(camera: Camera, suns: Vec<Sun>, size: (u32, u32), samples: u32) -> Scene {
+pub(crate) fn scene(camera: Camera, suns: Vec<Sun>, size: (u32, u32), samples: u32) -> Scene {
     let system = System {
         name: "Nothing".into(),
         slots: Vec::new(),
@@ -53,12 +53,12 @@ pub fn scene(camera: Camera, suns: Vec<Sun>, size: (u32, u32), samples: u32) -> 
 }
 
 /// A camera that looks straight down in parallel, with y up in the picture.
-pub fn from_above(span: f64) -> Camera {
+pub(crate) fn from_above(span: f64) -> Camera {
     Camera { eye: DVec3::Z * 100.0, target: DVec3::ZERO, up: DVec3::Y, lens: Lens::Orthographic(span) }
 }
 
 /// A white sun whose light travels this way.
-pub fn sun(direction: [f64; 3]) -> Sun {
+pub(crate) fn sun(direction: [f64; 3]) -> Sun {
     Sun { direction: direction.into(), color: [1.0; 3], strength: 1.0, size: 0.0 }
 }
 

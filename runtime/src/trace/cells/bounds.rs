@@ -265,7 +265,9 @@ impl Search<'_, '_> {
         let start = self.open.iter().rposition(|it| *it == visit.state).unwrap_or(0);
         let cycle = self.open.split_off(start);
         // Nothing below is open any more, so the numbers that are left are those of the states that are.
-        cycle.iter().for_each(|it| drop(self.numbers.remove(it)));
+        for state in &cycle {
+            self.numbers.remove(state);
+        }
         let found = match cycle.as_slice() {
             [state] if !self.contains_itself(*state)? => vec![self.of_state(*state, &HashMap::new())?],
             _ => {

@@ -102,6 +102,9 @@ impl BoxRay {
 pub(super) trait Kernel: Copy {
     /// The boxes of a node that a ray meets between two places on it.
     fn meet(self, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met;
+
+    /// Does something in code compiled for this SIMD, if all that it calls is inlined.
+    fn vectorize<R>(self, run: impl FnOnce() -> R) -> R;
 }
 
 /// Plain code, for machines without wide registers.
@@ -123,6 +126,10 @@ impl Kernel for Plain {
         }
         let bits = (0..WIDTH).fold(0, |bits, lane| bits | u32::from(near[lane] <= far[lane]) << lane);
         (bits, near)
+    }
+
+    fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
+        run()
     }
 }
 
@@ -147,12 +154,17 @@ mod x86 {
             }
             (u32::from(self.cmp_le_f32x16(near, far).0), cast(near))
         }
+
+        #[inline(always)]
+        fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
+            Self::vectorize(self, run)
+        }
     }
 
     impl Kernel for V3 {
         #[inline(always)]
         fn meet(self, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
-            let mut met = [[0.0; 8]; 2];
+            let mut met = [[0.0_f32; 8]; 2];
             let mut bits = 0;
             for half in 0..2 {
                 let (mut near, mut far) = (self.splat_f32x8(from), self.splat_f32x8(to));
@@ -170,6 +182,11 @@ mod x86 {
             }
             (bits, cast(met))
         }
+
+        #[inline(always)]
+        fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
+            Self::vectorize(self, run)
+        }
     }
 }
 
@@ -185,8 +202,8 @@ pub(super) trait Task {
 pub(super) fn dispatch<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     match pulp::Arch::new() {
-        pulp::Arch::V4(simd) => return simd.vectorize(#[inline(always)] || task.run(simd)),
-        pulp::Arch::V3(simd) => return simd.vectorize(#[inline(always)] || task.run(simd)),
+        pulp::Arch::V4(simd) => return Kernel::vectorize(simd, #[inline(always)] || task.run(simd)),
+        pulp::Arch::V3(simd) => return Kernel::vectorize(simd, #[inline(always)] || task.run(simd)),
         _ => {}
     }
     task.run(Plain)

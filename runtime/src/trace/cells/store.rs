@@ -218,18 +218,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What is left of a trail once it is too long: its two ends.
-const TRAIL_END: usize = 12;
-
 /// Puts steps before those of a fault.
-pub(super) fn led_by(mut fault: Fault, steps: impl DoubleEndedIterator<Item = TrailStep>) -> Fault {
-    for step in steps.rev() {
-        fault.trail.insert(0, step);
-        if fault.trail.len() > 2 * TRAIL_END {
-            fault.trail.remove(TRAIL_END);
-        }
-    }
-    fault
+pub(super) fn led_by(fault: Fault, steps: impl DoubleEndedIterator<Item = TrailStep>) -> Fault {
+    steps.rev().fold(fault, Fault::reached_through)
 }
 
 #[cfg(test)]

@@ -71,6 +71,32 @@ impl Store<'_> {
         Ok(box_between(min, max))
     }
 
+    /// A box around those parts of a state that are finite.
+    ///
+    /// # Errors
+    /// What fails in expanding what is below it.
+    pub(super) fn finite_bounds(&self, state: u32) -> Result<Aabb, Fault> {
+        let loose = self.loose(state)?;
+        if loose.bounds.is_finite() {
+            let slack = 1e-4 * (loose.bounds.max - loose.bounds.min).max_element();
+            return self.state_bounds(state, &DAffine3::IDENTITY, slack);
+        }
+        let mut finite = Aabb::EMPTY;
+        for piece in self.pieces(state)? {
+            let map = &piece.outer_from_inner;
+            let own = match &piece.shape {
+                Shape::Instance(inner, _) if self.loose(*inner)?.bounds.is_finite() => {
+                    let loose = self.loose(*inner)?.mapped(map).bounds;
+                    let slack = 1e-4 * (loose.max - loose.min).max_element();
+                    self.state_bounds(*inner, map, slack)?
+                }
+                _ => Loose::of_piece(piece, &|it| self.known_loose(it)).finite,
+            };
+            finite = finite.union(&own);
+        }
+        Ok(finite)
+    }
+
     /// How far the things that `start` adds reach.
     fn reach(
         &self,

@@ -1,0 +1,81 @@
+//! Values of fields: found, and held against the field's type and range.
+
+use treegen_grammar::Span;
+use treegen_runtime::form::Value;
+
+use crate::constant::Constants;
+use crate::fields::{FieldRule, FieldType};
+use crate::program::{DefId, Field, FieldValue};
+use crate::words;
+
+/// How many pixels a side of a picture may have: more than any limit on their number allows.
+const MOST_SIDE: f64 = 4_194_304.0;
+
+/// A field's value once its type is known.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Data {
+    Number(f64),
+    /// A vector, a colour or a size.
+    Parts(Vec<f64>),
+    Word(&'static str),
+    /// What is checked and has no effect yet.
+    Other,
+}
+
+/// The value of a field of a record; `None` when there is a problem, which is then reported.
+pub(super) fn data(constants: &mut Constants<'_>, record: DefId, rule: &FieldRule, field: &Field) -> Option<Data> {
+    let expr = match &field.value {
+        FieldValue::Expr(expr) => expr,
+        FieldValue::Word(word) => return Some(Data::Word(word)),
+        FieldValue::Texture | FieldValue::Surface => return Some(Data::Other),
+        FieldValue::Error => return None,
+    };
+    if constants.is_broken(record) {
+        return None;
+    }
+    let value = constants.value(expr)?;
+    let data = fitting(rule.kind, &value);
+    if data.is_none() {
+        let is = words::constants::value(&value, constants.vocabulary());
+        report(constants, rule, expr.span, &is);
+    }
+    data
+}
+
+fn report(constants: &mut Constants<'_>, rule: &FieldRule, span: Span, is: &str) {
+    constants.report(words::records::bad_value(rule.name, &words::constants::needs(rule.kind), span, is));
+}
+
+/// A value as a field of this type keeps it; `None` if it does not fit.
+fn fitting(kind: FieldType, value: &Value) -> Option<Data> {
+    match (kind, value) {
+        (FieldType::Number(low, high), Value::Number(it)) => {
+            (it.is_finite() && (low..=high).contains(it)).then_some(Data::Number(*it))
+        }
+        (FieldType::Positive, Value::Number(it)) => (it.is_finite() && *it > 0.0).then_some(Data::Number(*it)),
+        (FieldType::Whole(low, high), Value::Number(it)) => {
+            (it.fract() == 0.0 && (low..=high).contains(it)).then_some(Data::Number(*it))
+        }
+        (FieldType::Vector(count), Value::Vector(it)) => {
+            parts(it.parts(), usize::from(count), f64::NEG_INFINITY, f64::INFINITY)
+        }
+        (FieldType::Color, Value::Vector(it)) => parts(it.parts(), 3, 0.0, 1.0),
+        (FieldType::Size, Value::Vector(it)) => {
+            let whole = it.parts().iter().all(|it| it.fract() == 0.0);
+            parts(it.parts(), 2, 1.0, MOST_SIDE).filter(|_| whole)
+        }
+        (FieldType::Numbers, Value::List(it)) => {
+            it.iter().all(|it| matches!(it, Value::Number(it) if it.is_finite())).then_some(Data::Other)
+        }
+        (FieldType::Colors, Value::List(it)) => {
+            it.iter().all(|it| fitting(FieldType::Color, it).is_some()).then_some(Data::Other)
+        }
+        (FieldType::Truth, Value::Bool(_)) | (FieldType::Text, Value::Text(_)) => Some(Data::Other),
+        _ => None,
+    }
+}
+
+fn parts(parts: &[f64], count: usize, low: f64, high: f64) -> Option<Data> {
+    let fits = |it: &f64| it.is_finite() && (low..=high).contains(it);
+    (parts.len() == count && parts.iter().all(fits)).then(|| Data::Parts(parts.to_vec()))
+}

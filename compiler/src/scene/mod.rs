@@ -1,0 +1,204 @@
+//! The scene's records and the materials: constants with a type and a range.
+
+mod fields;
+
+use glam::DVec3;
+use treegen_runtime::form::{Background, Camera, ImageSettings, Lens, Material, Sky, Sun};
+
+use crate::constant::Constants;
+use crate::fields::{self as rules, FieldRule};
+use crate::lower::origin;
+use crate::program::{Field, MaterialId, Record};
+use crate::words;
+use fields::Data;
+
+/// What a scene has besides its graph.
+#[derive(Debug, Default)]
+pub(crate) struct Setting {
+    pub(crate) camera: Option<Camera>,
+    pub(crate) suns: Vec<Sun>,
+    pub(crate) sky: Option<Sky>,
+    pub(crate) image: ImageSettings,
+    /// For each material of the program what it looks like.
+    pub(crate) materials: Vec<Material>,
+}
+
+/// Finds the fields of all records.
+pub(crate) fn setting(constants: &mut Constants<'_>) -> Setting {
+    let program = constants.program();
+    let mut setting = Setting::default();
+    for texture in &program.textures {
+        let kind = texture.fields.iter().find_map(|it| match (it.name, &it.value) {
+            ("kind", crate::program::FieldValue::Word(word)) => Some(*word),
+            _ => None,
+        });
+        if let Some(kind) = kind {
+            Fields::find(constants, texture, rules::texture(kind));
+        }
+    }
+    for material in &program.materials {
+        let material = self::material(constants, material);
+        setting.materials.push(material);
+    }
+    for record in program.scene.iter().flat_map(|it| &it.records) {
+        let Some((_, rules, _)) = rules::SCENE.iter().find(|it| it.0 == record.name) else { continue };
+        let fields = Fields::find(constants, record, rules);
+        match record.name.as_str() {
+            "image" => setting.image = image(&fields),
+            "camera" => setting.camera = camera(constants, record, &fields),
+            "sun" => setting.suns.extend(sun(constants, record, &fields)),
+            _ => setting.sky = Some(sky(&fields)),
+        }
+    }
+    setting
+}
+
+/// The materials that a graph names, in its order.
+pub(crate) fn materials(setting: &Setting, used: &[MaterialId]) -> Vec<Material> {
+    used.iter().filter_map(|it| setting.materials.get(it.index()).cloned()).collect()
+}
+
+/// The fields of a record that could be found.
+struct Fields<'a> {
+    found: Vec<(&'static str, &'a Field, Data)>,
+    /// Whether a problem was reported about one of them.
+    broken: bool,
+}
+
+impl<'a> Fields<'a> {
+    fn find(constants: &mut Constants<'_>, record: &'a Record, rules: &[FieldRule]) -> Self {
+        let mut fields = Self { found: Vec::new(), broken: constants.is_broken(record.def) };
+        for field in &record.fields {
+            let Some(rule) = rules.iter().find(|it| it.name == field.name) else { continue };
+            match fields::data(constants, record.def, rule, field) {
+                Some(data) => fields.found.push((rule.name, field, data)),
+                None => fields.broken = true,
+            }
+        }
+        fields
+    }
+
+    fn field(&self, name: &str) -> Option<&'a Field> {
+        self.found.iter().find(|it| it.0 == name).map(|it| it.1)
+    }
+
+    fn data(&self, name: &str) -> Option<&Data> {
+        self.found.iter().find(|it| it.0 == name).map(|it| &it.2)
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        if let Some(Data::Number(number)) = self.data(name) { Some(*number) } else { None }
+    }
+
+    fn vector(&self, name: &str) -> Option<[f64; 3]> {
+        let Some(Data::Parts(parts)) = self.data(name) else { return None };
+        parts.as_slice().try_into().ok()
+    }
+
+    fn word(&self, name: &str) -> Option<&'static str> {
+        if let Some(Data::Word(word)) = self.data(name) { Some(word) } else { None }
+    }
+}
+
+fn material(constants: &mut Constants<'_>, record: &Record) -> Material {
+    let fields = Fields::find(constants, record, rules::MATERIAL);
+    let default = Material::default();
+    Material {
+        name: record.name.clone(),
+        color: fields.vector("color").unwrap_or(default.color),
+        range: fields.vector("range").unwrap_or(default.range),
+        gloss: fields.number("gloss").unwrap_or(default.gloss),
+        origin: origin(record.span),
+    }
+}
+
+fn image(fields: &Fields<'_>) -> ImageSettings {
+    let mut image = ImageSettings::default();
+    if let Some(Data::Parts(size)) = fields.data("size")
+        && let [width, height] = size.as_slice()
+    {
+        (image.width, image.height) = (*width as u32, *height as u32);
+    }
+    if let Some(samples) = fields.number("samples") {
+        image.samples = samples as u32;
+    }
+    image.most = fields.number("most").map(|it| it as u32);
+    if fields.word("background") == Some("none") {
+        image.background = Background::Transparent;
+    }
+    image
+}
+
+fn camera(constants: &mut Constants<'_>, record: &Record, fields: &Fields<'_>) -> Option<Camera> {
+    if fields.broken {
+        return None;
+    }
+    for name in ["eye", "target"] {
+        if fields.field(name).is_none() {
+            constants.report(words::records::missing_field("a camera", name, record.span));
+            return None;
+        }
+    }
+    if let (Some(height), Some(fov)) = (fields.field("height"), fields.field("fov")) {
+        constants.report(words::records::both_fields("fov", "height", height.span, fov.span));
+        return None;
+    }
+    let eye = DVec3::from(fields.vector("eye")?);
+    let target = DVec3::from(fields.vector("target")?);
+    if eye == target {
+        let span = fields.field("target").map_or(record.span, |it| it.span);
+        constants.report(words::records::eye_on_target(span));
+        return None;
+    }
+    let up = direction(constants, fields, "up", [0.0, 0.0, 1.0])?;
+    let lens = match fields.number("height") {
+        Some(height) => Lens::Orthographic(height),
+        None => {
+            let angle = fields.number("fov").unwrap_or(40.0);
+            if angle >= 180.0 {
+                let span = fields.field("fov").map_or(record.span, |it| it.span);
+                let is = words::constants::number(angle);
+                constants.report(words::records::bad_value("fov", "an angle above 0 and below 180", span, &is));
+                return None;
+            }
+            Lens::Perspective(angle)
+        }
+    };
+    Some(Camera { eye, target, up, lens })
+}
+
+fn sun(constants: &mut Constants<'_>, record: &Record, fields: &Fields<'_>) -> Option<Sun> {
+    if fields.broken {
+        return None;
+    }
+    if fields.field("direction").is_none() {
+        constants.report(words::records::missing_field("a sun", "direction", record.span));
+        return None;
+    }
+    Some(Sun {
+        direction: direction(constants, fields, "direction", [0.0; 3])?,
+        color: fields.vector("color").unwrap_or([1.0; 3]),
+        strength: fields.number("strength").unwrap_or(1.0),
+        size: fields.number("size").unwrap_or(0.0),
+    })
+}
+
+fn sky(fields: &Fields<'_>) -> Sky {
+    let default = Sky::default();
+    Sky {
+        color: fields.vector("color").unwrap_or(default.color),
+        strength: fields.number("strength").unwrap_or(default.strength),
+        haze: fields.number("haze").unwrap_or(default.haze),
+    }
+}
+
+/// A vector that is not 0.
+fn direction(constants: &mut Constants<'_>, fields: &Fields<'_>, name: &str, default: [f64; 3]) -> Option<DVec3> {
+    let vector = DVec3::from(fields.vector(name).unwrap_or(default));
+    if vector == DVec3::ZERO {
+        let span = fields.field(name)?.span;
+        constants.report(words::records::bad_value(name, "a direction", span, "(0, 0, 0)"));
+        return None;
+    }
+    Some(vector)
+}

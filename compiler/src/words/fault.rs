@@ -1,0 +1,200 @@
+//! What fails while a program runs: `E10`, with the rules and values that led there.
+
+use treegen_grammar::{FileId, Span};
+use treegen_runtime::form::{Origin, TransformKind, Value};
+use treegen_runtime::{Fault, FaultKind, Limit};
+
+use super::constants::{number, value};
+use super::one_of;
+use crate::problem::{Problem, Severity};
+use crate::vocabulary::Vocabulary;
+
+/// How many steps of a trail are shown at each end.
+const TRAIL_ENDS: usize = 5;
+
+/// A fault in words.
+pub(crate) fn problem(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
+    let (code, message, label) = kind(&fault.kind, vocabulary);
+    let mut problem = match span(fault.origin) {
+        Some(span) => Problem::error(code, message, span, label),
+        None => Problem {
+            severity: Severity::Error,
+            code,
+            message,
+            labels: Vec::new(),
+            notes: Vec::new(),
+            suggestions: Vec::new(),
+        },
+    };
+    if let Some(note) = advice(&fault.kind) {
+        problem = problem.note(note);
+    }
+    match trail(fault, vocabulary) {
+        Some(trail) => problem.note(trail),
+        None => problem,
+    }
+}
+
+/// The place of an origin; none for parts that come from no text.
+fn span(origin: Origin) -> Option<Span> {
+    (origin != Origin::NONE).then(|| Span::new(FileId(origin.file), origin.start, origin.end))
+}
+
+fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, String) {
+    let list = |values: &[Value]| one_of(&values.iter().map(|it| value(it, vocabulary)).collect::<Vec<_>>(), "and");
+    let numbers = |values: &[f64]| values.iter().map(|it| number(*it)).collect::<Vec<_>>().join(", ");
+    match kind {
+        FaultKind::NoRule { module, values } => {
+            let values = named(values, vocabulary);
+            let with = if values.is_empty() { String::new() } else { format!(" with {values}") };
+            ("E1001", format!("no rule of `{module}` applies{with}"), "its rules begin here".to_owned())
+        }
+        FaultKind::NoSuchRule { module, number, rules } => (
+            "E1002",
+            format!("the selection function of `{module}` gave {}", value(number, vocabulary)),
+            format!("it has {}, counted from 1", super::count(*rules, "rule")),
+        ),
+        FaultKind::Weights { module, weights } => (
+            "E1003",
+            format!("no rule of `{module}` can be drawn: the weights are {}", numbers(weights)),
+            "weights are 0 or more, and one of them is above 0".to_owned(),
+        ),
+        FaultKind::Index { index, length } => (
+            "E1004",
+            format!("the list has no value at {}", number(*index)),
+            match length {
+                0 => "the list is empty".to_owned(),
+                _ => format!("it has {}, from 0 to {}", super::count(*length, "value"), length - 1),
+            },
+        ),
+        FaultKind::NotANumber { operation, operands } => (
+            "E1005",
+            not_a_number(operation, operands, vocabulary),
+            "this has no value".to_owned(),
+        ),
+        FaultKind::Type { operation, operands } => {
+            ("E1006", format!("`{operation}` does not take {}", list(operands)), "wrong kind of value".to_owned())
+        }
+        FaultKind::Range { name, value, low, high } => (
+            "E1007",
+            format!("`{name}` must lie within {}..{}, and {} does not", number(*low), number(*high), number(*value)),
+            "its range is part of its definition".to_owned(),
+        ),
+        FaultKind::Whole { what, value, least } => (
+            "E1008",
+            format!("`{what}` needs a whole number, {} or more, not {}", number(*least), number(*value)),
+            format!("this is {}", number(*value)),
+        ),
+        FaultKind::Singular { kind, values } => (
+            "E1009",
+            format!("`{}({})` flattens everything", kind.name(), numbers(values)),
+            singular(*kind, values),
+        ),
+        FaultKind::Primitive { kind, values } => (
+            "E1010",
+            format!("`{}({})` is no solid", kind.name(), numbers(values)),
+            "these numbers make none".to_owned(),
+        ),
+        FaultKind::Endless { module, .. } => (
+            "E1011",
+            format!("`{module}` comes back to itself without an end"),
+            "neither smaller nor nearer to an end".to_owned(),
+        ),
+        FaultKind::Open(kind) => (
+            "E0511",
+            format!("`{}` has no inside, so nothing can be cut with it", kind.name()),
+            "a surface, not a solid".to_owned(),
+        ),
+        FaultKind::Limit { limit, most } => {
+            (limit_code(*limit), format!("{} of {most}", limit_words(*limit)), "met here".to_owned())
+        }
+        FaultKind::Interrupted => ("E1012", "interrupted".to_owned(), "here".to_owned()),
+    }
+}
+
+fn not_a_number(operation: &str, operands: &[Value], vocabulary: &Vocabulary) -> String {
+    let shown: Vec<String> = operands.iter().map(|it| value(it, vocabulary)).collect();
+    let is_sign = operation.chars().all(|it| it.is_ascii_punctuation());
+    match (is_sign, shown.as_slice()) {
+        (true, [left, right]) => format!("`{left} {operation} {right}` is not a number"),
+        (true, [only]) => format!("`{operation}{only}` is not a number"),
+        _ => format!("`{operation}({})` is not a number", shown.join(", ")),
+    }
+}
+
+fn singular(kind: TransformKind, values: &[f64]) -> String {
+    match kind {
+        TransformKind::Scale | TransformKind::UScale if values.contains(&0.0) => "a factor is 0".to_owned(),
+        TransformKind::Rotate => "its axis has no direction".to_owned(),
+        TransformKind::Mirror => "its normal has no direction".to_owned(),
+        _ => "it has no inverse".to_owned(),
+    }
+}
+
+fn limit_code(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Depth => "E0911",
+        Limit::Calls => "E0912",
+        Limit::Operations => "E0913",
+        Limit::Repeat => "E0914",
+        Limit::List => "E0915",
+        Limit::Nodes => "E0916",
+        Limit::Steps => "E0917",
+        Limit::Intervals => "E0918",
+        Limit::Pixels => "E0919",
+        Limit::Samples => "E0920",
+    }
+}
+
+fn limit_words(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Depth => "modules are inside one another beyond the limit",
+        Limit::Calls => "functions call one another beyond the limit",
+        Limit::Operations => "an expression takes more steps than the limit",
+        Limit::Repeat => "a `repeat` makes more copies than the limit",
+        Limit::List => "a list has more values than the limit",
+        Limit::Nodes => "one part of the form has more pieces than the limit",
+        Limit::Steps => "a ray meets more than the limit",
+        Limit::Intervals => "a ray goes in and out more often than the limit",
+        Limit::Pixels => "the picture has more pixels than the limit",
+        Limit::Samples => "a pixel has more samples than the limit",
+    }
+}
+
+fn advice(kind: &FaultKind) -> Option<&'static str> {
+    match kind {
+        FaultKind::NoRule { .. } => Some("a rule without a guard, written last, covers what is left"),
+        FaultKind::Endless { .. } => Some("let it shrink, as by `uscale(.5)`, or count down to a rule that ends"),
+        FaultKind::Limit { limit: Limit::Calls, .. } => Some("does the function call itself without an end?"),
+        FaultKind::Limit { limit: Limit::Depth, .. } => {
+            Some("does a rule name its own module without shrinking it or counting down?")
+        }
+        _ => None,
+    }
+}
+
+/// The rules that led to a fault, the outermost first.
+fn trail(fault: &Fault, vocabulary: &Vocabulary) -> Option<String> {
+    if fault.trail.is_empty() {
+        return None;
+    }
+    let step = |it: &treegen_runtime::TrailStep| {
+        let values = named(&it.values, vocabulary);
+        if values.is_empty() { it.name.clone() } else { format!("{} with {values}", it.name) }
+    };
+    let steps: Vec<String> = fault.trail.iter().map(step).collect();
+    let shown = if steps.len() <= 2 * TRAIL_ENDS {
+        steps.join("\n  ")
+    } else {
+        let hidden = steps.len() - 2 * TRAIL_ENDS;
+        let (first, last) = (&steps[..TRAIL_ENDS], &steps[steps.len() - TRAIL_ENDS..]);
+        format!("{}\n  ... {hidden} more ...\n  {}", first.join("\n  "), last.join("\n  "))
+    };
+    Some(format!("the way there:\n  {shown}"))
+}
+
+/// `c = 3, f = 0.5`
+fn named(values: &[(String, Value)], vocabulary: &Vocabulary) -> String {
+    let shown: Vec<String> = values.iter().take(12).map(|it| format!("{} = {}", it.0, value(&it.1, vocabulary))).collect();
+    shown.join(", ")
+}

@@ -1,0 +1,216 @@
+//! Booleans: the pieces of a ray inside, from the pieces inside the operands (GT95, section 3).
+//!
+//! An operand is looked at only where the ones before it leave something.
+
+use smallvec::SmallVec;
+
+use super::ask::{Ask, Mark, NONE};
+use super::cell::{Boolean, Cell, Leaf, Named, Ref, Union};
+use super::kernel::{BoxRay, Kernel};
+use super::ray::{Local, Steps};
+use super::store::Generation;
+use super::traverse::{Tracing, f32_above, f32_below, meet};
+use crate::fault::{Fault, FaultKind, Limit};
+use crate::form::Origin;
+use crate::geometry::{End, Interval, Intervals};
+
+/// The pieces of a ray inside something.
+pub(super) type Line = Intervals<Mark>;
+
+/// A cell and the ray in it.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'c> {
+    pub(super) cell: &'c Cell,
+    /// The ray. If it starts on a surface in here it is counted from its start, so that this is exactly 0.
+    pub(super) ray: Local,
+    /// The ray for boxes.
+    pub(super) boxes: BoxRay,
+    /// What to add to places on `ray` for places on `boxes`.
+    pub(super) shift: f64,
+    /// The part on whose surface (or inside which) the ray starts.
+    pub(super) from: u32,
+    /// Where its numbers stand in a path.
+    pub(super) position: usize,
+    /// The way from the Boolean's cell to here.
+    pub(super) trail: u32,
+    /// States inside one another to here.
+    pub(super) levels: u32,
+}
+
+/// The stretch of a ray that is asked for.
+type Range = (f64, f64);
+
+/// The search for pieces along one ray.
+pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
+    pub(super) tracing: &'a Tracing<'a, 's, K>,
+    pub(super) generation: &'g Generation,
+    pub(super) ask: &'a mut Ask<'q>,
+}
+
+impl<'c> Place<'c> {
+    /// A ray in a cell, `near` counted from its point nearest the centre.
+    pub(super) fn new(cell: &'c Cell, near: Local, boxes: BoxRay, from: u32, position: usize, levels: u32) -> Self {
+        let (ray, shift) = if from == NONE { (near, 0.0) } else { (near.from_start(), near.own(0.0)) };
+        Self { cell, ray, boxes, shift, from, position, trail: NONE, levels }
+    }
+}
+
+impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
+    /// The pieces inside a Boolean.
+    pub(super) fn boolean(&mut self, place: &Place, boolean: &Boolean, range: Range) -> Result<Line, Fault> {
+        let mut operands = boolean.operands.clone();
+        let tolerance = boolean.tolerance;
+        let Some(first) = operands.next() else {
+            return Ok(Line::empty());
+        };
+        let mut line = self.union(place, first, range, tolerance)?;
+        for operand in operands {
+            let (Some(start), Some(end)) = (line.as_slice().first(), line.as_slice().last()) else {
+                break;
+            };
+            let range = (start.near.t - tolerance, end.far.t + tolerance);
+            let other = self.union(place, operand, range, tolerance)?;
+            line = if boolean.difference {
+                line.difference(&other, tolerance)
+            } else {
+                line.intersection(&other, tolerance)
+            };
+            self.check(&line)?;
+        }
+        Ok(line)
+    }
+
+    /// The pieces inside a union of a cell.
+    fn union(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Fault> {
+        let union = &place.cell.unions[number as usize];
+        if let (None, [only]) = (union.root, &*union.always) {
+            return self.member(place, *only, range, tolerance);
+        }
+        let mut members = self.members(place, union, range)?;
+        // Coincident surfaces are the first one's.
+        members.sort_by_key(|it| first_part(place.cell, *it));
+        let mut lines: SmallVec<[Line; 4]> = SmallVec::new();
+        for member in members {
+            let line = self.member(place, member, range, tolerance)?;
+            if !line.is_empty() {
+                lines.push(line);
+            }
+        }
+        let line = if lines.len() == 1 { lines.swap_remove(0) } else { Line::union_of(&lines, tolerance) };
+        self.check(&line)?;
+        Ok(line)
+    }
+
+    /// The members of a union whose boxes the ray meets.
+    fn members(&mut self, place: &Place, union: &Union, range: Range) -> Result<SmallVec<[Ref; 16]>, Fault> {
+        let mut members: SmallVec<[Ref; 16]> = SmallVec::from_slice(&union.always);
+        let mut nodes: SmallVec<[u32; 16]> = union.root.into_iter().collect();
+        let tracing = self.tracing;
+        let (from, to) = (f32_below(range.0 + place.shift), f32_above(range.1 + place.shift));
+        while let Some(number) = nodes.pop() {
+            self.ask.step(tracing.store.limits.steps)?;
+            let node = &place.cell.nodes[number as usize];
+            let (bits, _) = tracing.kernel.vectorize(
+                #[inline(always)]
+                || meet(tracing.kernel, tracing.cull, node, &place.boxes, from, to),
+            );
+            for lane in lanes(bits) {
+                match node.inside[lane].named() {
+                    Named::Node(inner) => nodes.push(inner),
+                    Named::Leaf(_) | Named::Instance(_) | Named::Boolean(_) => members.push(node.inside[lane]),
+                }
+            }
+        }
+        Ok(members)
+    }
+
+    fn member(&mut self, place: &Place, member: Ref, range: Range, tolerance: f64) -> Result<Line, Fault> {
+        self.ask.step(self.tracing.store.limits.steps)?;
+        match member.named() {
+            Named::Leaf(number) => self.leaf(place, &place.cell.leaves[number as usize]),
+            Named::Boolean(number) => self.boolean(place, &place.cell.booleans[number as usize], range),
+            Named::Instance(number) => self.instance(place, number, range, tolerance),
+            Named::Node(_) => Ok(Line::empty()),
+        }
+    }
+
+    fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Fault> {
+        if !leaf.solid {
+            let origin = place.cell.parts[leaf.part as usize].origin;
+            return Err(Fault::new(FaultKind::Open(leaf.primitive.kind()), origin));
+        }
+        let from = if leaf.part == place.from { self.ask.from_face() } else { None };
+        let chords = leaf.primitive.chords(&place.ray.line(&leaf.leaf_from_cell), from);
+        let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
+        Ok(Line::of_chords(&chords, |it| mark(it.face)))
+    }
+
+    fn instance(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Fault> {
+        let instance = &place.cell.instances[number as usize];
+        let part = &place.cell.parts[instance.part as usize];
+        let levels = place.levels + part.levels;
+        let store = self.tracing.store;
+        let led = |fault| super::store::led_by(fault, std::iter::once(store.step(instance.state, part.origin)));
+        let position = place.position + 1;
+        let from = if place.from == instance.part { self.ask.from_part(position) } else { NONE };
+        // Boxes are always met from the point nearest the centre.
+        let (near, near_steps) = place.ray.entered(&instance.inner_from_cell);
+        let boxes = BoxRay::new(near.origin, near.direction);
+        let (ray, steps) =
+            if from == NONE { (near, near_steps) } else { place.ray.entered_from_start(&instance.inner_from_cell) };
+        let shift = if from == NONE { 0.0 } else { near.own(0.0) };
+        let trail = self.ask.trail(place.trail, instance.part);
+        let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels };
+        let range = (steps.inwards(range.0), steps.inwards(range.1));
+        let tolerance = steps.length_inwards(tolerance);
+        let generation = self.generation;
+        let line = match store.cell(generation, instance.state).map_err(led)? {
+            Some(cell) => self.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?,
+            None => {
+                let cell = super::build::build(store, instance.state).map_err(led)?;
+                self.whole(&inner(&cell), part.origin, range, tolerance).map_err(led)?
+            }
+        };
+        Ok(outwards(&line, steps))
+    }
+
+    /// The pieces inside a whole cell.
+    fn whole(&mut self, place: &Place, called: Origin, range: Range, tolerance: f64) -> Result<Line, Fault> {
+        self.tracing.check_depth(place.levels + place.cell.levels, called)?;
+        self.union(place, 0, range, tolerance)
+    }
+
+    fn check(&self, line: &Line) -> Result<(), Fault> {
+        let most = self.tracing.store.limits.intervals;
+        if line.len() > most as usize {
+            return Err(Fault::new(FaultKind::Limit { limit: Limit::Intervals, most: u64::from(most) }, Origin::NONE));
+        }
+        Ok(())
+    }
+}
+
+/// The number of the first part in a member.
+fn first_part(cell: &Cell, member: Ref) -> u32 {
+    match member.named() {
+        Named::Leaf(number) => cell.leaves[number as usize].part,
+        Named::Instance(number) => cell.instances[number as usize].part,
+        Named::Boolean(number) => cell.booleans[number as usize].part,
+        Named::Node(number) => number,
+    }
+}
+
+fn outwards(line: &Line, steps: Steps) -> Line {
+    let end = |it: End<Mark>| End { t: steps.outwards(it.t), ..it };
+    Line::of_sorted(line.as_slice().iter().map(|it| Interval { near: end(it.near), far: end(it.far) }))
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+pub(super) fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        // Takes the lowest bit away.
+        bits &= bits.wrapping_sub(1);
+        (lane < 32).then_some(lane as usize)
+    })
+}

@@ -1,0 +1,246 @@
+//! The fast tracer: through states and cells.
+//!
+//! A state is expanded once, when a ray first needs it, into a [cell](cell): its primitives and the states in it, each with its exact box,
+//! small states and some of the large ones merged in. A ray goes through cells as through nested instances.
+//!
+//! What a ray sees is a pure function of the ray and the scene. Rays and matrices are in double precision, and a hit follows from the
+//! chain of frames from the world to the primitive, which the states alone decide. Boxes are in single precision, but only decide what
+//! need not be looked at: they are grown by the proven error of their test (`kernel`). So culling, the width of SIMD, the order of rays,
+//! threads and the budget for cells change the time, and no bit of a picture.
+
+mod ask;
+mod boolean;
+mod bounds;
+mod build;
+mod bvh;
+mod cell;
+mod kernel;
+mod piece;
+mod ray;
+mod resolve;
+mod store;
+mod support;
+mod traverse;
+
+pub use store::Counts;
+
+use glam::DAffine3;
+
+use self::ask::{Ask, Found, Question};
+use self::kernel::{Kernel, Task, dispatch};
+use self::ray::Local;
+use self::store::{Generation, Store};
+use self::traverse::{Scratch, Start, Tracing};
+use super::{RayFault, Sample, SurfaceRay, Tracer};
+use crate::fault::Fault;
+use crate::form::{Origin, Scene};
+use crate::geometry::{Aabb, Ray};
+use crate::limits::Limits;
+
+/// What is not looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Culling {
+    /// What lies in boxes that a ray does not meet, or meets behind its hit.
+    State,
+    /// Nothing: every ray goes through everything.
+    None,
+}
+
+/// Traces rays through the cells of a scene.
+#[derive(Debug)]
+pub struct CellTracer<'s> {
+    store: Store<'s>,
+    culling: Culling,
+    root: u32,
+    /// From the world to the frame of the scene's cell.
+    cell_from_world: DAffine3,
+}
+
+impl<'s> CellTracer<'s> {
+    /// A tracer of a scene.
+    ///
+    /// # Errors
+    /// What fails in expanding the scene as far as its bounds need.
+    pub fn new(scene: &'s Scene, limits: &Limits, culling: Culling) -> Result<Self, Fault> {
+        let store = Store::new(scene, limits);
+        let root = store.root()?;
+        let cell_from_world = store.frame(root)?.cell_from_state();
+        Ok(Self { store, culling, root, cell_from_world })
+    }
+
+    /// What has been kept so far.
+    pub fn counts(&self) -> Counts {
+        self.store.counts()
+    }
+}
+
+/// A box around all that is finite in a scene; empty when nothing is.
+///
+/// # Errors
+/// What fails in expanding the scene as far as its bounds need.
+pub fn finite_bounds(scene: &Scene, limits: &Limits) -> Result<Aabb, Fault> {
+    let store = Store::new(scene, limits);
+    let root = store.root()?;
+    store.finite_bounds(root)
+}
+
+impl Tracer for CellTracer<'_> {
+    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
+        samples.clear();
+        samples.reserve(rays.len());
+        dispatch(Look { tracer: self, rays, samples })
+    }
+
+    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
+        blocked.clear();
+        blocked.reserve(rays.len());
+        dispatch(Blocked { tracer: self, rays, blocked })
+    }
+
+    fn finite_bounds(&self) -> Result<Aabb, Fault> {
+        self.store.finite_bounds(self.root)
+    }
+}
+
+struct Look<'a, 's> {
+    tracer: &'a CellTracer<'s>,
+    rays: &'a [Ray],
+    samples: &'a mut Vec<Sample>,
+}
+
+impl Task for Look<'_, '_> {
+    type Output = Result<(), RayFault>;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+        let Self { tracer, rays, samples } = self;
+        while samples.len() < rays.len() {
+            let generation = tracer.store.generation();
+            let mut caster = Caster::new(tracer, kernel, &generation);
+            for ray in &rays[samples.len()..] {
+                match caster.look(ray) {
+                    Ok(sample) => samples.push(sample),
+                    Err(fault) => return Err(RayFault { ray: samples.len(), fault }),
+                }
+                if generation.is_full() {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+struct Blocked<'a, 's> {
+    tracer: &'a CellTracer<'s>,
+    rays: &'a [SurfaceRay],
+    blocked: &'a mut Vec<bool>,
+}
+
+impl Task for Blocked<'_, '_> {
+    type Output = Result<(), RayFault>;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+        let Self { tracer, rays, blocked } = self;
+        while blocked.len() < rays.len() {
+            let generation = tracer.store.generation();
+            let mut caster = Caster::new(tracer, kernel, &generation);
+            for ray in &rays[blocked.len()..] {
+                match caster.blocked(ray) {
+                    Ok(it) => blocked.push(it),
+                    Err(fault) => return Err(RayFault { ray: blocked.len(), fault }),
+                }
+                if generation.is_full() {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Casts rays one after another through one generation of cells.
+struct Caster<'a, 's, 'g, K> {
+    tracer: &'a CellTracer<'s>,
+    tracing: Tracing<'a, 's, K>,
+    generation: &'g Generation,
+    scratch: Scratch<'g>,
+}
+
+impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
+    fn new(tracer: &'a CellTracer<'s>, kernel: K, generation: &'g Generation) -> Self {
+        let tracing = Tracing { store: &tracer.store, kernel, cull: tracer.culling == Culling::State };
+        Self { tracer, tracing, generation, scratch: Scratch::default() }
+    }
+
+    #[inline(always)]
+    fn look(&mut self, ray: &Ray) -> Result<Sample, Fault> {
+        let local = Local::new(ray, &self.tracer.cell_from_world);
+        let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY);
+        self.ask(&mut ask, local)?;
+        if ask.over {
+            return self.look_out(ray, local);
+        }
+        self.sample(ray, local, ask.best, ask.found)
+    }
+
+    /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
+    #[cold]
+    #[inline(never)]
+    fn look_out(&mut self, ray: &Ray, local: Local) -> Result<Sample, Fault> {
+        let mut ask = Ask::new(Question::Exit, None, 0.0);
+        loop {
+            let before = ask.best;
+            self.ask_apart(&mut ask, local)?;
+            // A solid that begins before this exit may have been passed over while the exit was nearer.
+            if ask.best == before || ask.best == f64::INFINITY {
+                break;
+            }
+        }
+        if ask.best == f64::INFINITY {
+            ask.found = None;
+        }
+        ask.question = Question::Surface;
+        self.ask_apart(&mut ask, local)?;
+        self.sample(ray, local, ask.best, ask.found)
+    }
+
+    #[inline(always)]
+    fn blocked(&mut self, ray: &SurfaceRay) -> Result<bool, Fault> {
+        let local = Local::new(&ray.ray, &self.tracer.cell_from_world);
+        let mut ask = Ask::new(Question::Any, Some(&ray.from), f64::INFINITY);
+        self.ask(&mut ask, local)?;
+        Ok(ask.over)
+    }
+
+    fn ask_apart(&mut self, ask: &mut Ask, local: Local) -> Result<(), Fault> {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.ask(ask, local),
+        )
+    }
+
+    #[inline(always)]
+    fn ask(&mut self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
+        let (store, state) = (self.tracing.store, self.tracer.root);
+        let from = ask.from_part(0);
+        let start = |cell| Start { cell, state, called: Origin::NONE, ray, from, levels: 0 };
+        match store.cell(self.generation, state)? {
+            Some(cell) => self.tracing.search(self.generation, &mut self.scratch, ask, start(cell)),
+            // A generation is never full before its first cell.
+            None => Ok(()),
+        }
+    }
+
+    fn sample(&self, ray: &Ray, local: Local, depth: f64, found: Option<Found>) -> Result<Sample, Fault> {
+        let mut sample = Sample::default();
+        if let Some(found) = found {
+            let store = self.tracing.store;
+            let fragment = resolve::fragment(store, self.generation, self.tracer.root, ray, local, depth, found)?;
+            sample.fragments.extend(fragment);
+        }
+        Ok(sample)
+    }
+}

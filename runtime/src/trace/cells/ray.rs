@@ -1,0 +1,104 @@
+//! Rays in the frames of cells.
+
+use glam::{DAffine3, DVec3};
+
+use crate::geometry::Ray;
+
+/// A ray in the frame of a cell, with a direction of length 1 and an origin of its own: the point nearest the cell's centre.
+///
+/// So all numbers are about 1 where the cell is, however deep it lies and however far away the ray began. `t` stays that of the ray in
+/// the world: `offset + own * scale`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    offset: f64,
+    scale: f64,
+}
+
+/// How places on a ray in an inner frame are places on it in the outer one: `shift + t * scale`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    shift: f64,
+    scale: f64,
+}
+
+impl Steps {
+    #[inline]
+    pub(super) fn outwards(self, t: f64) -> f64 {
+        self.shift + t * self.scale
+    }
+
+    pub(super) fn inwards(self, t: f64) -> f64 {
+        (t - self.shift) / self.scale
+    }
+
+    /// A length on the inner ray.
+    pub(super) fn length_inwards(self, length: f64) -> f64 {
+        length / self.scale
+    }
+}
+
+impl Local {
+    /// A ray of the world in the frame of a cell.
+    pub(super) fn new(ray: &Ray, cell_from_world: &DAffine3) -> Self {
+        let world = Self { origin: ray.origin, direction: ray.direction, offset: 0.0, scale: 1.0 };
+        world.entered(cell_from_world).0
+    }
+
+    /// The same ray in an inner frame.
+    #[inline(always)]
+    pub(super) fn entered(&self, inner_from_outer: &DAffine3) -> (Self, Steps) {
+        let origin = inner_from_outer.transform_point3(self.origin);
+        let direction = inner_from_outer.transform_vector3(self.direction);
+        let square = direction.dot(direction);
+        let shift = -origin.dot(direction) / square;
+        let scale = 1.0 / square.sqrt();
+        let inner = Self {
+            origin: origin + direction * shift,
+            direction: direction * scale,
+            offset: self.offset + shift * self.scale,
+            scale: self.scale * scale,
+        };
+        (inner, Steps { shift, scale })
+    }
+
+    /// The same ray in an inner frame with its origin where it starts, as [`Local::from_start`].
+    pub(super) fn entered_from_start(&self, inner_from_outer: &DAffine3) -> (Self, Steps) {
+        let origin = inner_from_outer.transform_point3(self.origin);
+        let direction = inner_from_outer.transform_vector3(self.direction);
+        let scale = 1.0 / direction.length();
+        let inner = Self { origin, direction: direction * scale, offset: 0.0, scale: self.scale * scale };
+        (inner, Steps { shift: 0.0, scale })
+    }
+
+    /// The same ray with its origin where it starts: t = 0 is then exactly 0 on it.
+    pub(super) fn from_start(&self) -> Self {
+        let start = self.own(0.0);
+        Self { origin: self.origin + self.direction * start, offset: 0.0, ..*self }
+    }
+
+    /// The t of a place on this ray.
+    #[inline(always)]
+    pub(super) fn world(&self, own: f64) -> f64 {
+        self.offset + own * self.scale
+    }
+
+    /// The place on this ray of a t.
+    #[inline(always)]
+    pub(super) fn own(&self, t: f64) -> f64 {
+        (t - self.offset) / self.scale
+    }
+
+    /// The same line in the frame of a primitive.
+    #[inline(always)]
+    pub(super) fn line(&self, inner_from_outer: &DAffine3) -> Ray {
+        Ray { origin: self.origin, direction: self.direction }.mapped(inner_from_outer)
+    }
+
+    /// Whether it comes near enough to the origin to meet anything within -1 to 1 on each axis.
+    #[inline(always)]
+    pub(super) fn is_near(&self) -> bool {
+        self.origin.length_squared() < 3.01
+    }
+}

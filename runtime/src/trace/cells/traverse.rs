@@ -1,0 +1,324 @@
+//! The search along one ray through cells inside cells, from front to back.
+//!
+//! One stack holds what is still to be looked at, by where the ray comes into its box; another the cells that the ray is in. Only cells
+//! that are not kept, and Booleans, call for a search inside the search.
+
+use super::ask::{Ask, Event, Mark, NONE, Question};
+use super::boolean::{Pieces, Place, lanes};
+use super::build::build;
+use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref};
+use super::kernel::{BoxRay, Kernel, Met, Node, WIDTH};
+use super::ray::Local;
+use super::store::{Generation, Store, led_by};
+use crate::fault::{Fault, FaultKind, Limit};
+use crate::form::Origin;
+
+/// What all searches share.
+pub(super) struct Tracing<'a, 's, K> {
+    pub(super) store: &'a Store<'s>,
+    pub(super) kernel: K,
+    /// Whether boxes are looked at.
+    pub(super) cull: bool,
+}
+
+/// Where a search starts.
+#[derive(Clone, Copy)]
+pub(super) struct Start<'g> {
+    pub(super) cell: &'g Cell,
+    pub(super) state: u32,
+    pub(super) called: Origin,
+    pub(super) ray: Local,
+    /// The number in the cell of the part on which (or in which) the ray starts.
+    pub(super) from: u32,
+    /// States inside one another to here.
+    pub(super) levels: u32,
+}
+
+/// The way into a cell that is not kept.
+struct Passage {
+    state: u32,
+    called: Origin,
+    ray: Local,
+    from: u32,
+    levels: u32,
+}
+
+/// The stacks of a search, kept from ray to ray.
+#[derive(Default)]
+pub(super) struct Scratch<'g> {
+    frames: Vec<Frame<'g>>,
+    ahead: Vec<Ahead>,
+}
+
+/// A cell that the ray is in.
+struct Frame<'g> {
+    cell: &'g Cell,
+    ray: Local,
+    boxes: BoxRay,
+    /// Where the ray begins.
+    start: f32,
+    /// Its number in the cell around it.
+    part: u32,
+    /// The number in it of the part on which (or in which) the ray starts.
+    from: u32,
+    levels: u32,
+    state: u32,
+    called: Origin,
+}
+
+/// Something still to be looked at.
+#[derive(Clone, Copy)]
+struct Ahead {
+    near: f32,
+    what: Ref,
+    /// The number of its frame.
+    frame: u32,
+}
+
+/// A number of single precision that is not above `x`; minus infinity if it is not a number.
+#[inline(always)]
+pub(super) fn f32_below(x: f64) -> f32 {
+    if x.is_nan() { f32::NEG_INFINITY } else { (x as f32).next_down() }
+}
+
+/// A number of single precision that is not below `x`; infinity if it is not a number.
+#[inline(always)]
+pub(super) fn f32_above(x: f64) -> f32 {
+    if x.is_nan() { f32::INFINITY } else { (x as f32).next_up() }
+}
+
+/// The boxes of a node that the ray meets: all of them if nothing is culled.
+#[inline(always)]
+pub(super) fn meet<K: Kernel>(kernel: K, cull: bool, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
+    if cull { kernel.meet(node, ray, from, to) } else { (node.lanes(), [f32::NEG_INFINITY; WIDTH]) }
+}
+
+impl<K: Kernel> Tracing<'_, '_, K> {
+    /// Asks along a ray.
+    ///
+    /// # Errors
+    /// The first fault met on the way.
+    #[inline(always)]
+    pub(super) fn search<'g>(
+        &self,
+        generation: &'g Generation,
+        scratch: &mut Scratch<'g>,
+        ask: &mut Ask,
+        start: Start<'g>,
+    ) -> Result<(), Fault> {
+        let mut search = Search { tracing: self, generation, scratch };
+        search.scratch.frames.clear();
+        search.scratch.ahead.clear();
+        match search.enter(ask, start, NONE).and_then(|()| search.run(ask)) {
+            Ok(()) => Ok(()),
+            Err(fault) => Err(search.led(fault)),
+        }
+    }
+
+    pub(super) fn check_depth(&self, levels: u32, called: Origin) -> Result<(), Fault> {
+        let most = self.store.limits.depth;
+        if levels > most {
+            return Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most: u64::from(most) }, called));
+        }
+        Ok(())
+    }
+}
+
+struct Search<'a, 'b, 's, 'g, K> {
+    tracing: &'a Tracing<'b, 's, K>,
+    generation: &'g Generation,
+    scratch: &'a mut Scratch<'g>,
+}
+
+impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
+    /// Adds the cells on the way to a fault.
+    #[cold]
+    fn led(&self, fault: Fault) -> Fault {
+        led_by(fault, self.scratch.frames.iter().map(|it| self.tracing.store.step(it.state, it.called)))
+    }
+
+    /// Goes into a cell.
+    #[inline(always)]
+    fn enter(&mut self, ask: &Ask, start: Start<'g>, part: u32) -> Result<(), Fault> {
+        let Start { cell, state, called, ray, from, levels } = start;
+        let frame = self.scratch.frames.len() as u32;
+        let boxes = BoxRay::new(ray.origin, ray.direction);
+        let start = f32_below(ray.own(0.0));
+        self.scratch.frames.push(Frame { cell, ray, boxes, start, part, from, levels, state, called });
+        self.tracing.check_depth(levels.saturating_add(cell.levels), called)?;
+        let Some(union) = cell.unions.first() else {
+            return Ok(());
+        };
+        for what in union.always.iter().rev() {
+            self.scratch.ahead.push(Ahead { near: f32::NEG_INFINITY, what: *what, frame });
+        }
+        if let Some(root) = union.root
+            && (ray.is_near() || !self.tracing.cull)
+        {
+            self.node(ask, frame, root);
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn run(&mut self, ask: &mut Ask) -> Result<(), Fault> {
+        while let Some(Ahead { near, what, frame: number }) = self.scratch.ahead.pop() {
+            ask.step(self.tracing.store.limits.steps)?;
+            self.scratch.frames.truncate(number as usize + 1);
+            let Some(frame) = self.scratch.frames.last() else {
+                return Ok(());
+            };
+            if near > end(ask, &frame.ray) && self.tracing.cull {
+                continue;
+            }
+            let cell = frame.cell;
+            match what.named() {
+                Named::Node(node) => self.node(ask, number, node),
+                Named::Leaf(leaf) => self.leaf(ask, &cell.leaves[leaf as usize]),
+                Named::Instance(instance) => self.instance(ask, &cell.instances[instance as usize])?,
+                Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
+            }
+            if ask.over {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts what the ray meets in a node on the stack, the nearest on top.
+    #[inline(always)]
+    fn node(&mut self, ask: &Ask, number: u32, node: u32) {
+        let Scratch { frames, ahead } = &mut *self.scratch;
+        let Some(frame) = frames.last() else {
+            return;
+        };
+        let node = &frame.cell.nodes[node as usize];
+        let to = end(ask, &frame.ray);
+        let (bits, near) = meet(self.tracing.kernel, self.tracing.cull, node, &frame.boxes, frame.start, to);
+        let bottom = ahead.len();
+        for lane in lanes(bits) {
+            let next = Ahead { near: near[lane], what: node.inside[lane], frame: number };
+            let mut place = ahead.len();
+            ahead.push(next);
+            while place > bottom && ahead[place - 1].near < next.near {
+                ahead[place] = ahead[place - 1];
+                place -= 1;
+            }
+            ahead[place] = next;
+        }
+    }
+
+    #[inline(always)]
+    fn leaf(&self, ask: &mut Ask, leaf: &Leaf) {
+        let Some(frame) = self.scratch.frames.last() else {
+            return;
+        };
+        if leaf.part == frame.from {
+            self.leaf_from(ask, frame, leaf);
+        } else {
+            self.meet_leaf(ask, leaf, &frame.ray, None);
+        }
+    }
+
+    /// The leaf on whose surface the ray starts: t is counted from the start, so that the surface is met at exactly 0.
+    #[cold]
+    fn leaf_from(&self, ask: &mut Ask, frame: &Frame, leaf: &Leaf) {
+        let face = ask.from_face();
+        self.meet_leaf(ask, leaf, &frame.ray.from_start(), face);
+    }
+
+    #[inline(always)]
+    fn meet_leaf(&self, ask: &mut Ask, leaf: &Leaf, ray: &Local, from: Option<u8>) {
+        let line = ray.line(&leaf.leaf_from_cell);
+        let event = |t: f64, face: u8| {
+            let mark = Mark { trail: NONE, part: leaf.part, face };
+            Event { t: ray.world(t), mark, flipped: false }
+        };
+        if leaf.solid {
+            for chord in leaf.primitive.chords(&line, from) {
+                let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
+                ask.meet(self.way(), near, Some(far));
+            }
+        } else if let Some(crossing) = leaf.primitive.crossing(&line, from) {
+            ask.meet(self.way(), event(crossing.t, crossing.face), None);
+        }
+    }
+
+    /// The numbers of the cells the ray is in, but for the first.
+    fn way(&self) -> impl Iterator<Item = u32> + Clone {
+        self.scratch.frames.iter().skip(1).map(|it| it.part)
+    }
+
+    #[inline(always)]
+    fn instance(&mut self, ask: &mut Ask, instance: &Instance) -> Result<(), Fault> {
+        let Some(frame) = self.scratch.frames.last() else {
+            return Ok(());
+        };
+        let part = &frame.cell.parts[instance.part as usize];
+        let (ray, _) = frame.ray.entered(&instance.inner_from_cell);
+        let levels = frame.levels + part.levels;
+        let from = if frame.from == instance.part {
+            ask.from_part(ask.prefix.len() + self.scratch.frames.len())
+        } else {
+            NONE
+        };
+        let tracing = self.tracing;
+        let (state, called) = (instance.state, part.origin);
+        match tracing.store.cell(self.generation, state) {
+            Ok(Some(cell)) => self.enter(ask, Start { cell, state, called, ray, from, levels }, instance.part),
+            Ok(None) => self.apart(ask, instance.part, Passage { state, called, ray, from, levels }),
+            Err(fault) => Err(led_by(fault, std::iter::once(tracing.store.step(state, called)))),
+        }
+    }
+
+    /// Goes through a cell that there is no room to keep.
+    #[cold]
+    #[inline(never)]
+    fn apart(&self, ask: &mut Ask, part: u32, passage: Passage) -> Result<(), Fault> {
+        let Passage { state, called, ray, from, levels } = passage;
+        let cell = build(self.tracing.store, state)?;
+        let before = ask.prefix.len();
+        ask.prefix.extend(self.way().chain([part]));
+        let mut scratch = Scratch::default();
+        let start = Start { cell: &cell, state, called, ray, from, levels };
+        let (tracing, generation) = (self.tracing, self.generation);
+        let found = tracing.kernel.vectorize(
+            #[inline(always)]
+            || tracing.search(generation, &mut scratch, ask, start),
+        );
+        ask.prefix.truncate(before);
+        found
+    }
+
+    #[inline(never)]
+    fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Fault> {
+        let Some(frame) = self.scratch.frames.last() else {
+            return Ok(());
+        };
+        let position = ask.prefix.len() + self.scratch.frames.len() - 1;
+        let place = Place::new(frame.cell, frame.ray, frame.boxes, frame.from, position, frame.levels);
+        let range = if self.tracing.cull {
+            let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
+            (place.ray.own(0.0), place.ray.own(last))
+        } else {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        };
+        let mut pieces = Pieces { tracing: self.tracing, generation: self.generation, ask };
+        let line = pieces.boolean(&place, boolean, range)?;
+        for piece in line.as_slice() {
+            let event = |end: &crate::geometry::End<Mark>| Event {
+                t: place.ray.world(end.t),
+                mark: end.surface,
+                flipped: end.flipped,
+            };
+            ask.meet(self.way(), event(&piece.near), Some(event(&piece.far)));
+        }
+        Ok(())
+    }
+}
+
+/// Where on a ray nothing more is of interest.
+#[inline(always)]
+fn end(ask: &Ask, ray: &Local) -> f32 {
+    f32_above(ray.own(ask.best))
+}

@@ -1,0 +1,12 @@
+//! The unit primitives against closed forms, exact arithmetic and their own definitions.
+
+mod catalogue;
+mod definitions;
+mod distances;
+mod double;
+mod extents;
+mod flat_faces;
+mod hostile;
+mod measures;
+mod special_rays;
+mod surface_rays;

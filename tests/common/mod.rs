@@ -1,0 +1,73 @@
+//! Programs compiled and looked at, for the whole-program tests.
+#![allow(dead_code, reason = "each test program uses its own part of this")]
+
+use treegen_compiler::{Compiled, Loaded, NoFiles, Options, compile, show};
+use treegen_runtime::Limits;
+use treegen_runtime::form::Scene;
+use treegen_runtime::geometry::Ray;
+use treegen_runtime::trace::cells::{CellTracer, Culling};
+use treegen_runtime::trace::reference::Reference;
+use treegen_runtime::trace::{Sample, Tracer};
+
+/// Compiles a program that uses no other files.
+pub fn compiled(text: &str) -> Compiled {
+    let main = Loaded { name: "test.tg".into(), text: text.into() };
+    compile(main, &NoFiles, &Options::default())
+}
+
+/// The scene of a program without mistakes.
+pub fn scene(text: &str) -> Scene {
+    let compiled = compiled(text);
+    let Some(scene) = compiled.scene else {
+        panic!("{}", show(&compiled.problems, &compiled.sources, false));
+    };
+    scene
+}
+
+/// What one ray saw, as far as it can be compared between programs: the depth, the normal, and the name and shade of the paint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    pub depth: f64,
+    pub normal: [f64; 3],
+    pub paint: Option<String>,
+}
+
+/// What a bundle of rays from the south sees of a program.
+pub fn seen(scene: &Scene, tracer: &dyn Tracer) -> Vec<Option<Seen>> {
+    let mut samples = Vec::new();
+    tracer.look(&rays(), &mut samples).expect("the program has no faults");
+    let seen = |it: &Sample| {
+        it.fragments.first().map(|it| Seen {
+            depth: it.depth,
+            normal: it.normal.to_array(),
+            paint: it.material.map(|it| scene.materials[it.0 as usize].name.clone()),
+        })
+    };
+    samples.iter().map(seen).collect()
+}
+
+/// What the reference walker sees of a program.
+pub fn by_the_book(text: &str) -> Vec<Option<Seen>> {
+    let scene = scene(text);
+    seen(&scene, &Reference::new(&scene, &Limits::default()))
+}
+
+/// What the fast tracer sees of a program.
+pub fn by_cells(text: &str) -> Vec<Option<Seen>> {
+    let scene = scene(text);
+    let tracer = CellTracer::new(&scene, &Limits::default(), Culling::State).expect("the program has no faults");
+    seen(&scene, &tracer)
+}
+
+fn rays() -> Vec<Ray> {
+    let mut rays = Vec::new();
+    for row in 0..24 {
+        for column in 0..24 {
+            let at = |it: i32| (f64::from(it) - 11.437) / 8.0;
+            let origin = glam::DVec3::new(0.4, -9.0, 0.9);
+            let through = glam::DVec3::new(at(column), 0.0, at(row) + 0.5);
+            rays.push(Ray { origin, direction: through - origin });
+        }
+    }
+    rays
+}

@@ -92,16 +92,16 @@ pub struct Render {
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop, help_heading = "Picture")]
     pub crop: Option<Rect>,
     /// Rays a pixel to begin with; 1 is one ray through its centre, more makes edges smooth
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES), help_heading = "Picture")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES), help_heading = "Picture")]
     pub samples: Option<u32>,
     /// What the program's parameters are.
     #[command(flatten)]
     pub program: Program,
     /// How many threads work [default: as many as there are processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), help_heading = "Work")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), help_heading = "Work")]
     pub threads: Option<u32>,
     /// Memory for what is kept between rays, in MB; it changes the time, never the picture
-    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 24), default_value_t = 256)]
+    #[arg(long, value_name = "MB", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=1 << 24), default_value_t = 256)]
     #[arg(help_heading = "Work")]
     pub cell_memory: u64,
     /// What is passed over unseen; it changes the time, never the picture
@@ -114,7 +114,7 @@ pub struct Render {
     #[arg(long, value_name = "FILE", help_heading = "Work")]
     pub stats: Option<PathBuf>,
     /// Pixels a side of what one thread does at once; it changes nothing but the time
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), hide = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1024), hide = true)]
     pub tile: Option<u32>,
 }
 
@@ -125,7 +125,7 @@ pub struct Program {
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting, help_heading = "Program")]
     pub set: Vec<Setting>,
     /// Another seed draws another tree
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Program")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
 }
 

@@ -28,6 +28,19 @@ pub(crate) struct Constants<'a> {
     /// Definitions that have no value, since a problem was reported in them or in what they use.
     broken: Vec<bool>,
     problems: Vec<Problem>,
+    /// Where errors were reported before, in the order of the text.
+    mistakes: Vec<Span>,
+}
+
+/// What constants depend on besides the program.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'p> {
+    pub(crate) seed: u64,
+    pub(crate) limits: Limits,
+    /// How many files there are; sources of higher numbers are settings.
+    pub(crate) units: usize,
+    /// What was reported before.
+    pub(crate) problems: &'p [Problem],
 }
 
 /// What [`Constants`] found.
@@ -39,8 +52,12 @@ pub(crate) struct Found {
 
 impl<'a> Constants<'a> {
     /// Finds the values of all files' `let`s and `param`s.
-    pub(crate) fn find(program: &'a Program, vocabulary: &'a Vocabulary, seed: u64, limits: Limits, units: usize) -> Self {
+    pub(crate) fn find(program: &'a Program, vocabulary: &'a Vocabulary, given: Given<'_>) -> Self {
+        let Given { seed, limits, units, problems } = given;
+        let mut mistakes: Vec<Span> = problems.iter().filter(|it| it.is_error()).filter_map(Problem::span).collect();
+        mistakes.sort();
         let mut constants = Self {
+            mistakes,
             program,
             vocabulary,
             seed,
@@ -139,6 +156,22 @@ impl<'a> Constants<'a> {
         self.broken[def.index()] || self.program.def(def).uses.iter().any(|it| self.broken[it.index()])
     }
 
+    /// Whether no problem was reported in an expression, or in what it uses.
+    pub(crate) fn is_sound(&self, expr: &Expr) -> bool {
+        let mut sound = true;
+        visit(expr, &mut |it| match &it.kind {
+            ExprKind::Error => sound = false,
+            ExprKind::Global(id) => sound &= self.values[id.index()].is_some(),
+            ExprKind::Call { function, .. } => {
+                sound &= !self.broken[self.program.functions[function.index()].def.index()];
+            }
+            _ => {}
+        });
+        let from = self.mistakes.partition_point(|it| *it < Span { end: expr.span.start, ..expr.span });
+        let reaches = |it: &Span| it.file == expr.span.file && it.start <= expr.span.end;
+        sound && !self.mistakes.iter().skip(from).take_while(|it| reaches(it)).any(|it| it.end <= expr.span.end)
+    }
+
     /// The value of an expression that reads no slots; `None` when a problem was reported.
     pub(crate) fn value(&mut self, expr: &Expr) -> Option<Value> {
         let mut coder = Coder::new(self.program, Values(&self.values), &mut self.functions);
@@ -182,9 +215,17 @@ impl<'a> Constants<'a> {
 
 /// Whether an expression has the same value wherever it is asked: it neither draws nor calls.
 fn is_steady(expr: &Expr) -> bool {
-    let all = |it: &[Expr]| it.iter().all(is_steady);
+    let mut steady = true;
+    visit(expr, &mut |it| {
+        steady &= !matches!(it.kind, ExprKind::Draw { .. } | ExprKind::Call { .. } | ExprKind::Error);
+    });
+    steady
+}
+
+/// Looks at an expression and at all within it.
+fn visit(expr: &Expr, look: &mut impl FnMut(&Expr)) {
+    look(expr);
     match &expr.kind {
-        ExprKind::Draw { .. } | ExprKind::Call { .. } | ExprKind::Error => false,
         ExprKind::Number(_)
         | ExprKind::Text(_)
         | ExprKind::Bool(_)
@@ -192,15 +233,33 @@ fn is_steady(expr: &Expr) -> bool {
         | ExprKind::Rule(_)
         | ExprKind::Global(_)
         | ExprKind::Slot(_)
-        | ExprKind::Param(_) => true,
+        | ExprKind::Param(_)
+        | ExprKind::Error => {}
         ExprKind::If { branches, otherwise } => {
-            is_steady(otherwise) && branches.iter().all(|it| is_steady(&it.0) && is_steady(&it.1))
+            for (condition, value) in branches {
+                visit(condition, look);
+                visit(value, look);
+            }
+            visit(otherwise, look);
         }
-        ExprKind::Binary { first, rest } => is_steady(first) && rest.iter().all(|it| is_steady(&it.2)),
-        ExprKind::Unary { operand, .. } => is_steady(operand),
+        ExprKind::Binary { first, rest } => {
+            visit(first, look);
+            rest.iter().for_each(|it| visit(&it.2, look));
+        }
+        ExprKind::Unary { operand, .. } => visit(operand, look),
         ExprKind::Postfix { base, links } => {
-            is_steady(base) && links.iter().all(|it| if let Link::Index(it, _) = it { is_steady(it) } else { true })
+            visit(base, look);
+            for link in links {
+                if let Link::Index(index, _) = link {
+                    visit(index, look);
+                }
+            }
         }
-        ExprKind::Power(it) | ExprKind::Vector(it) | ExprKind::List(it) | ExprKind::Builtin(_, it) => all(it),
+        ExprKind::Power(all)
+        | ExprKind::Vector(all)
+        | ExprKind::List(all)
+        | ExprKind::Builtin(_, all)
+        | ExprKind::Draw { args: all, .. }
+        | ExprKind::Call { args: all, .. } => all.iter().for_each(|it| visit(it, look)),
     }
 }

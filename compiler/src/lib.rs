@@ -73,7 +73,9 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     let mut program = resolve::resolve(&input, &mut problems);
     let vocabulary = program.vocabulary();
     check::check(&mut program, &mut problems);
-    let mut constants = constant::Constants::find(&program, &vocabulary, options.seed, options.limits, units.len());
+    let given =
+        constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
+    let mut constants = constant::Constants::find(&program, &vocabulary, given);
     let setting = scene::setting(&mut constants);
     let found = constants.done();
     problems.extend(found.problems);

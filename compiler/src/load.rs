@@ -27,7 +27,7 @@ pub(crate) struct Unit {
 
 /// Reads the program and what it uses. Unit n is file n.
 pub(crate) fn load(main: Loaded, loader: &dyn Loader, sources: &mut Sources, problems: &mut Vec<Problem>) -> Vec<Unit> {
-    let mut reader = Reader { loader, sources, problems, units: Vec::new(), bytes: 0 };
+    let mut reader = Reader { loader, sources, problems, units: Vec::new(), broken: Vec::new(), bytes: 0 };
     reader.read(main);
     let mut next = 0;
     while next < reader.units.len() {
@@ -46,6 +46,8 @@ struct Reader<'a> {
     sources: &'a mut Sources,
     problems: &'a mut Vec<Problem>,
     units: Vec<Unit>,
+    /// Where each unit could not be read.
+    broken: Vec<Vec<Span>>,
     bytes: usize,
 }
 
@@ -56,7 +58,9 @@ impl Reader<'_> {
         let text = self.sources.get(file).map_or("", |it| it.text.as_str());
         let parsed = parse(file, text);
         self.problems.extend(parsed.errors.iter().map(words::syntax::problem));
+        let broken: Vec<Span> = parsed.errors.iter().map(|it| it.span).collect();
         self.units.push(Unit { tree: parsed.file, uses: Vec::new() });
+        self.broken.push(broken);
         file
     }
 
@@ -66,7 +70,9 @@ impl Reader<'_> {
         let importer = self.sources.get(file).map_or(String::new(), |it| it.name.clone());
         let paths: Vec<(String, Span)> = self.units[number].tree.items.iter().filter_map(used_path).collect();
         for (path, span) in paths {
-            let used = self.find(&importer, &path, span);
+            // A path that could not be read whole names nothing.
+            let is_whole = !self.broken[number].iter().any(|it| span.start <= it.start && it.start < span.end);
+            let used = if is_whole { self.find(&importer, &path, span) } else { None };
             self.units[number].uses.push(used);
         }
     }

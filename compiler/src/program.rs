@@ -36,8 +36,6 @@ ids! {
     FunctionId,
     /// Names an `enum`.
     EnumId,
-    /// Names a texture.
-    TextureId,
     /// Names a material.
     MaterialId,
     /// Names a system.
@@ -88,7 +86,8 @@ pub(crate) enum DefKind {
     FileLet(GlobalId),
     Function(FunctionId),
     Enum,
-    Texture,
+    /// Its number among the textures.
+    Texture(u32),
     Material(MaterialId),
     System(SystemId),
     Formal,
@@ -114,7 +113,7 @@ impl DefKind {
             Self::FileLet(_) | Self::Let | Self::Local => "let",
             Self::Function(_) => "function",
             Self::Enum => "enum",
-            Self::Texture => "texture",
+            Self::Texture(_) => "texture",
             Self::Material(_) => "material",
             Self::System(_) => "system",
             Self::Formal => "formal parameter",
@@ -131,7 +130,6 @@ impl DefKind {
 /// A file's `let` or `param`.
 #[derive(Debug)]
 pub(crate) struct Global {
-    pub(crate) def: DefId,
     pub(crate) value: Expr,
     pub(crate) range: Option<Range>,
 }
@@ -249,6 +247,8 @@ pub(crate) struct Rule {
     pub(crate) label: Option<String>,
     pub(crate) span: Span,
     pub(crate) priority: Option<i64>,
+    /// Whether its successor is added to the module (`+>`) and does not stand in its place.
+    pub(crate) appends: bool,
     pub(crate) guard: Option<Expr>,
     pub(crate) weight: Option<Expr>,
     pub(crate) body: Solid,
@@ -257,6 +257,8 @@ pub(crate) struct Rule {
 /// A `calc` definition.
 #[derive(Debug)]
 pub(crate) struct CalcDef {
+    pub(crate) def: DefId,
+    pub(crate) system: SystemId,
     pub(crate) steps: Vec<Step>,
 }
 
@@ -327,7 +329,7 @@ pub(crate) struct Later {
 #[derive(Debug)]
 pub(crate) enum Stride {
     Prefix(Prefix),
-    Word(WalkWord, Vec<Expr>, Span),
+    Word(WalkWord, Vec<Expr>),
     Solid(Solid),
     Bracket(Solid),
 }

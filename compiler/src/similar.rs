@@ -6,6 +6,9 @@ const MAX_LENGTH: usize = 40;
 /// How many names are compared at most, so that ten thousand unknown names cost no more than they should.
 const MAX_COMPARED: usize = 1000;
 
+/// How many names are looked at for their length at most.
+const MAX_SEEN: usize = 20_000;
+
 /// The one of `candidates` that is nearest to `name`, if any is near enough to be a slip of the finger.
 ///
 /// Nearness is the number of letters to insert, remove, exchange or swap with a neighbour (restricted Damerau-Levenshtein
@@ -16,7 +19,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
     }
     let most = (name.len().max(3) / 3).max(1);
     let lengths = |it: &&str| it.len().abs_diff(name.len()) <= most && *it != name;
-    let near = candidates.into_iter().filter(lengths).take(MAX_COMPARED);
+    let near = candidates.into_iter().take(MAX_SEEN).filter(lengths).take(MAX_COMPARED);
     near.map(|it| (distance(name, it), it)).filter(|it| it.0 <= most && it.0 < name.len()).min().map(|it| it.1)
 }
 

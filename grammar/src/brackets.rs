@@ -9,7 +9,7 @@ use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::lexer::Placed;
 use crate::statements::Finding;
 use crate::token::Token;
-use crate::{FileId, MAX_ERRORS, Span};
+use crate::{FileId, MAX_ERRORS, MAX_NESTING, Span};
 
 /// Balances the tokens of a text of `length` bytes. `None` when they are.
 pub(crate) fn balance<'a>(
@@ -170,8 +170,8 @@ impl<'a> Repair<'a, '_> {
     fn segment(&mut self, tokens: &[Placed<'a>], after: (u32, u32)) {
         self.item = tokens.first().map_or(0, |it| it.start);
         self.kind = tokens.first().map(|it| it.token);
-        let words = tokens.iter().filter(|it| !it.token.is_closer());
-        self.last_word = words.last().map_or(0, |it| it.start);
+        let mut words = tokens.iter().filter(|it| !it.token.is_closer());
+        self.last_word = words.next_back().map_or(0, |it| it.start);
         self.member = None;
         let mut rest = tokens;
         while let [it, next @ ..] = rest {
@@ -287,6 +287,7 @@ impl<'a> Repair<'a, '_> {
             .open
             .iter()
             .rev()
+            .take(MAX_NESTING)
             .take_while(|open| open.indent > column)
             .count();
         let partner = self
@@ -365,13 +366,12 @@ impl<'a> Repair<'a, '_> {
     /// An arrow or the first word of a member shows that all brackets within the member before are closed. The head of
     /// a rule stands before its arrow, so they are then closed before the last `;`.
     fn close_to_members(&mut self, it: &Placed<'a>, is_arrow: bool) {
-        let within = self
-            .open
-            .iter()
-            .rev()
-            .take_while(|open| !open.holds_members)
-            .count();
-        if within == 0 || within == self.open.len() {
+        if !self.open.first().is_some_and(|open| open.holds_members) {
+            return;
+        }
+        let members = self.open.iter().rposition(|open| open.holds_members);
+        let within = self.open.len() - 1 - members.unwrap_or(0);
+        if within == 0 {
             return;
         }
         let opened = self.open.last().map_or(0, |open| open.at);

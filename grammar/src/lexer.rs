@@ -236,20 +236,8 @@ impl<'a> Reader<'a> {
         let Some(found) = self.text.get(start..).and_then(|it| it.chars().next()) else {
             return;
         };
-        if let Some(closing) = foreign::closing_quotes(found) {
-            let line = self
-                .logos
-                .remainder()
-                .split('\n')
-                .next()
-                .unwrap_or_default();
-            if let Some(at) = line.find(closing) {
-                let mark = line
-                    .get(at..)
-                    .and_then(|it| it.chars().next())
-                    .map_or(1, char::len_utf8);
-                return self.foreign_quotes(found, start, at, mark);
-            }
+        if let Some((at, mark)) = closing_quote(found, self.logos.remainder()) {
+            return self.foreign_quotes(found, start, at, mark);
         }
         let twin = foreign::twin(found);
         self.error(
@@ -317,6 +305,19 @@ impl<'a> Reader<'a> {
             first + at + mark,
         );
     }
+}
+
+/// Where in `rest` the quote stands that closes a text begun with `open`, and how long it is.
+fn closing_quote(open: char, rest: &str) -> Option<(usize, usize)> {
+    // Far away is another text's quote.
+    const FARTHEST: usize = 200;
+    let closing = foreign::closing_quotes(open)?;
+    let line = rest
+        .char_indices()
+        .take(FARTHEST)
+        .take_while(|it| it.1 != '\n');
+    let (at, mark) = line.into_iter().find(|it| closing.contains(&it.1))?;
+    Some((at, mark.len_utf8()))
 }
 
 /// Whether `word` is written like a name or a reserved word.

@@ -1,7 +1,7 @@
 //! From text to tree: the lexer, the grammar and the tree of the treegen language.
 //!
 //! [`parse`] reads any text in time that grows with its length, and always gives a tree *and* the list of mistakes.
-//! The way through: [`lexer`] makes tokens, [`brackets`] sees to it that every bracket has its partner, [`statements`]
+//! The way through: `lexer` makes tokens, `brackets` sees to it that every bracket has its partner, `statements`
 //! marks where each item, member and rule ends, and the LALR(1) grammar (`grammar.lalrpop`) makes the tree. Since a
 //! statement's end is known before the parser sees it, a mistake in one says nothing about the next.
 

@@ -266,10 +266,9 @@ impl<'a> Marker<'a, '_> {
     /// A name that leads a line and continues nothing begins the rule that an arrow belongs to: before it a `;` is
     /// missing.
     fn arrow(&mut self, token: &Placed<'a>) {
-        if let Some(level) = self.levels.last_mut().filter(|it| it.holds_statements()) {
-            if let Some(at) = level.fresh.take() {
-                self.split(at);
-            }
+        let level = self.levels.last_mut().filter(|it| it.holds_statements());
+        if let Some(at) = level.and_then(|it| it.fresh.take()) {
+            self.split(at);
         }
         self.push(token);
     }

@@ -34,7 +34,7 @@ fn tokens(text: &str) -> Vec<std::ops::Range<usize>> {
             Some(last)
                 if last.end == at && is_word(letter) && text[last.clone()].chars().all(is_word) =>
             {
-                last.end = end
+                last.end = end;
             }
             _ if letter.is_whitespace() => {}
             _ => tokens.push(at..end),

@@ -189,3 +189,24 @@ fn rubbish_deep_inside_brackets_takes_no_more_time_than_elsewhere() {
     .concat();
     assert_eq!(read(&walk).errors.len(), 1);
 }
+
+/// Each of these makes a repair look back or ahead as far as it ever does.
+#[test]
+fn repairs_look_no_farther_than_they_need() {
+    let many = 200_000;
+    let texts = [
+        ["material A {", &"{".repeat(many), &"-> start ".repeat(many)].concat(),
+        ["csg A ", &"(".repeat(many), &"-> start ".repeat(many)].concat(),
+        ["csg A {\n    ", &"{".repeat(many), &"\n}".repeat(many / 2)].concat(),
+        ["csg A { start ", &"(".repeat(many), &"]".repeat(many)].concat(),
+        ["scene {", &"a { b: ".repeat(many)].concat(),
+        ["csg A {", &"a -> {b;\n".repeat(many), "}"].concat(),
+        ["csg A {", &"a -> b\n".repeat(many), "}"].concat(),
+        "«".repeat(many),
+        "'".repeat(many),
+        ["csg A { start a ", &"b\n".repeat(many), "-> c; }"].concat(),
+    ];
+    for text in texts {
+        assert!(!read(&text).errors.is_empty(), "{}", &text[..20]);
+    }
+}

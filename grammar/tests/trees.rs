@@ -1,4 +1,5 @@
 //! What texts are read as.
+#![expect(clippy::panic, reason = "a test panics when it fails")]
 
 mod common;
 

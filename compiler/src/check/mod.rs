@@ -1,4 +1,27 @@
-//! Checks of the resolved program.
+//! Checks of the resolved program: types, circles, rules that cannot work, what is shown, and what nobody uses.
+//!
+//! The program itself stays as it is, but that definitions in which a problem was found are marked as broken.
+
+mod circles;
+mod infer;
+mod rules;
+mod shown;
+mod solids;
+mod types;
+mod unused;
+
 use crate::problem::Problem;
-use crate::program::Program;
-pub(crate) fn check(_program: &mut Program, _problems: &mut Vec<Problem>) {}
+use crate::program::{DefId, Program};
+
+/// Looks at everything that can be known before constants are.
+pub(crate) fn check(program: &mut Program, problems: &mut Vec<Problem>) {
+    let mut broken: Vec<DefId> = Vec::new();
+    circles::check(program, problems, &mut broken);
+    solids::check(program, problems, &mut broken);
+    for def in broken {
+        program.defs[def.index()].broken = true;
+    }
+    rules::check(program, problems);
+    shown::check(program, problems);
+    unused::check(program, problems);
+}

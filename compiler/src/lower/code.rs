@@ -12,8 +12,8 @@ use treegen_runtime::form::{BinaryOp, Code, Function, FunctionId, Op, Origin, Re
 use super::origin;
 use crate::program::{self, Expr, ExprKind, GlobalId, Link, Program, SlotId, Step};
 
-/// How many operations one code may have.
-const MAX_OPS: usize = 1_000_000;
+/// How many operations all codes of a program may have together: `calc` definitions that run one another could double without end.
+const MAX_OPS: usize = 8_000_000;
 
 /// The values of the files' `let`s and `param`s; `None` where one could not be found.
 #[derive(Clone, Copy)]
@@ -31,6 +31,8 @@ pub(crate) struct Functions {
     ids: HashMap<program::FunctionId, FunctionId>,
     order: Vec<program::FunctionId>,
     table: Vec<Function>,
+    /// How many operations there are in all codes.
+    ops: usize,
     /// Where a function grew beyond its limit.
     pub(crate) overflow: Option<Span>,
 }
@@ -95,10 +97,11 @@ impl<'a> Coder<'a> {
 
     /// Adds an operation.
     pub(crate) fn op(&mut self, op: Op, span: Span) {
-        if self.ops.len() >= MAX_OPS {
+        if self.functions.ops >= MAX_OPS {
             self.overflow.get_or_insert(span);
             return;
         }
+        self.functions.ops += 1;
         self.ops.push(op);
         self.origins.push(origin(span));
     }
@@ -220,9 +223,8 @@ impl<'a> Coder<'a> {
     /// Lets a jump go to the next operation.
     fn land(&mut self, jump: usize) {
         let here = self.ops.len() as u32;
-        match self.ops.get_mut(jump) {
-            Some(Op::Jump(target) | Op::JumpIf(_, target) | Op::JumpUnless(_, target)) => *target = here,
-            _ => {}
+        if let Some(Op::Jump(target) | Op::JumpIf(_, target) | Op::JumpUnless(_, target)) = self.ops.get_mut(jump) {
+            *target = here;
         }
     }
 

@@ -137,6 +137,9 @@ impl Lowering<'_> {
 
     /// Writes a code with the results that `write` gives.
     pub(super) fn code(&mut self, write: impl FnOnce(&mut Coder<'_>) -> Vec<Reg>) -> Code {
+        if self.overflow.is_some() {
+            return Code::default();
+        }
         let mut coder = Coder::new(self.program, self.values, &mut self.functions);
         let results = write(&mut coder);
         let (code, overflow) = coder.finish(results);
@@ -154,11 +157,10 @@ impl Lowering<'_> {
     }
 
     fn steps(&mut self, steps: &[Step]) -> Code {
-        let mut coder = Coder::new(self.program, self.values, &mut self.functions);
-        coder.steps(steps);
-        let (code, overflow) = coder.finish(Vec::new());
-        self.overflow = self.overflow.or(overflow);
-        code
+        self.code(|coder| {
+            coder.steps(steps);
+            Vec::new()
+        })
     }
 
     /// The numbers of a transformation or primitive; those of a vector stand for themselves.

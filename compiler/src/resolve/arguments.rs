@@ -20,6 +20,8 @@ pub(super) struct Callee<'a> {
     pub(super) params: &'a [&'a str],
     /// For each parameter whether it must be given.
     pub(super) required: &'a [bool],
+    /// How many of them, the last ones, are given by name only.
+    pub(super) by_name: usize,
 }
 
 impl Resolver<'_> {
@@ -62,13 +64,14 @@ impl Resolver<'_> {
                         self.report(scope, words::arguments::after_named(arg.value.span, named));
                         return None;
                     }
-                    number
+                    if number >= callee.params.len() - callee.by_name { usize::MAX } else { number }
                 }
             };
             let span = arg.name.as_ref().map_or(arg.value.span, |it| it.span);
             let Some(place) = given.get_mut(index) else {
                 if readable {
-                    let problem = words::arguments::too_many(callee.name, callee.params, args.len(), arg.value.span);
+                    let params = &callee.params[..callee.params.len() - callee.by_name];
+                    let problem = words::arguments::too_many(callee.name, params, args.len(), arg.value.span);
                     self.report(scope, problem);
                 }
                 return None;
@@ -120,7 +123,7 @@ impl Resolver<'_> {
         }
         let params = if is_flat { flat } else { vectors };
         let required = vec![true; params.len()];
-        let callee = Callee { name, span, params: &params, required: &required };
+        let callee = Callee { name, span, params: &params, required: &required, by_name: 0 };
         let values = self.arguments(scope, callee, args)?;
         let values: Vec<Expr> = values.into_iter().flatten().collect();
         Some((values, is_flat))

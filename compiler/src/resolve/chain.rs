@@ -329,7 +329,7 @@ impl Resolver<'_> {
         let params: Vec<String> = slots.iter().map(|it| self.program.slot_name(system, *it).to_owned()).collect();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];
-        let callee = Callee { name: &name.text, span, params: &params, required: &required };
+        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 0 };
         match self.arguments(scope, callee, args.unwrap_or(&[])) {
             Some(args) => SolidKind::Module { module, args: args.into_iter().flatten().collect(), place },
             None => SolidKind::Error,
@@ -355,7 +355,7 @@ impl Resolver<'_> {
         let mut required: Vec<bool> = formals.iter().map(|it| it.1).collect();
         params.push("seed");
         required.push(false);
-        let callee = Callee { name: &name.text, span, params: &params, required: &required };
+        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 1 };
         let Some(mut given) = self.arguments(scope, callee, args) else { return SolidKind::Error };
         let seed = given.pop().flatten();
         let args = given.into_iter().enumerate().filter_map(|it| Some((it.0, it.1?))).collect();
@@ -531,7 +531,7 @@ impl Resolver<'_> {
             let rule = name.map_or(rules.get(number), |name| rules.iter().find(|it| it.name == name));
             values.push(self.later_argument(scope, rule, &arg.value, &mut parts));
         }
-        let callee = Callee { name: what, span, params: &params, required: &required };
+        let callee = Callee { name: what, span, params: &params, required: &required, by_name: 0 };
         let given = self.match_arguments(scope, callee, args, values)?;
         let typed = |(rule, value): (&FieldRule, Option<Option<Expr>>)| Some((value??, rule.name, rule.kind));
         let args = rules.iter().zip(given).filter_map(typed).collect();
@@ -552,7 +552,7 @@ impl Resolver<'_> {
                 None
             }
             Some((_, FieldType::Density)) if self.is_texture(scope, value) => {
-                self.named(scope, value, "texture", &|it| matches!(it, Meaning::Texture(_)), |span| {
+                self.named(scope, value, "texture", &|it| matches!(it, Meaning::Texture), |span| {
                     words::records::texture_needed("density", span)
                 });
                 None
@@ -565,7 +565,7 @@ impl Resolver<'_> {
     fn is_texture(&mut self, scope: &Scope, value: &ast::Expr) -> bool {
         let ast::ExprKind::Name(name) = &value.kind else { return false };
         let named = self.files[scope.file.0 as usize].get(name);
-        named.is_some_and(|it| matches!(it.meaning, Meaning::Texture(_)))
+        named.is_some_and(|it| matches!(it.meaning, Meaning::Texture))
     }
 
     /// A call of a system in the place of a value: `on: Ground()`.

@@ -10,7 +10,7 @@ use super::Resolver;
 use super::names::{Meaning, Named, Names};
 use crate::program::{
     CalcDef, CalcId, DefId, DefKind, Enum, EnumId, Expr, ExprKind, Formal, Function, FunctionId, Global, GlobalId, Init,
-    MaterialId, Module, ModuleId, Record, System, SystemId, TextureId,
+    MaterialId, Module, ModuleId, Record, System, SystemId,
 };
 use crate::words;
 
@@ -31,7 +31,10 @@ impl Resolver<'_> {
                 ItemKind::Use { path, path_span, alias } => {
                     self.declare_use(file, path, *path_span, alias.as_ref(), uses.next().copied().flatten());
                 }
-                ItemKind::Error => self.files[file.0 as usize].unreadable.push(item.span),
+                ItemKind::Error => {
+                    let words = self.words_in(item.span);
+                    self.files[file.0 as usize].unreadable.extend(words);
+                }
                 ItemKind::Scene(_) => {}
                 ItemKind::System(system) => self.declare_system(file, system),
                 _ => self.declare_item(file, &item.kind),
@@ -65,7 +68,7 @@ impl Resolver<'_> {
             }
             ItemKind::Enum { name, .. } => (name, DefKind::Enum, Meaning::Enum(EnumId(program.enums.len() as u32))),
             ItemKind::Texture { name, .. } => {
-                (name, DefKind::Texture, Meaning::Texture(TextureId(program.textures.len() as u32)))
+                (name, DefKind::Texture(program.textures.len() as u32), Meaning::Texture)
             }
             ItemKind::Material { name, .. } => {
                 let id = MaterialId(program.materials.len() as u32);
@@ -86,7 +89,7 @@ impl Resolver<'_> {
         let record = || Record { def, name: name.text.clone(), span: name.span, fields: Vec::new() };
         match item {
             ItemKind::Param(_) | ItemKind::Let(_) => {
-                self.program.globals.push(Global { def, value: hole(name.span), range: None });
+                self.program.globals.push(Global { value: hole(name.span), range: None });
             }
             ItemKind::Fn(it) => self.make_function(def, None, it),
             ItemKind::Enum { cases, .. } => {
@@ -207,8 +210,8 @@ impl Resolver<'_> {
             }
             MemberKind::Calc { name, .. } => {
                 let id = CalcId(self.program.calcs.len() as u32);
-                if self.declare_in_system(file, system, name, DefKind::Calc(id), Meaning::Calc(id)).is_some() {
-                    self.program.calcs.push(CalcDef { steps: Vec::new() });
+                if let Some(def) = self.declare_in_system(file, system, name, DefKind::Calc(id), Meaning::Calc(id)) {
+                    self.program.calcs.push(CalcDef { def, system, steps: Vec::new() });
                 }
             }
             MemberKind::Rule(rule) => self.declare_rule(file, system, rule),
@@ -217,7 +220,10 @@ impl Resolver<'_> {
                     self.declare_member(file, system, rule);
                 }
             }
-            MemberKind::Error => self.systems[system.index()].unreadable.push(member.span),
+            MemberKind::Error => {
+                let words = self.words_in(member.span);
+                self.systems[system.index()].unreadable.extend(words);
+            }
             MemberKind::Select { .. }
             | MemberKind::Start(_)
             | MemberKind::Derive { .. }

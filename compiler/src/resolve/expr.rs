@@ -202,7 +202,7 @@ impl Resolver<'_> {
                 Some(named)
             }
             None => {
-                if !self.is_in(&names.unreadable, &item.text) {
+                if !names.unreadable.contains(&item.text) {
                     let near = nearest(&item.text, names.iter().map(|it| it.0)).map(str::to_owned);
                     let problem = words::names::unknown_item(qualifier, &item.text, item.span, near.as_deref());
                     self.report(scope, problem);
@@ -263,7 +263,7 @@ impl Resolver<'_> {
         let params = self.program.functions[function.index()].params.clone();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];
-        let callee = Callee { name, span, params: &params, required: &required };
+        let callee = Callee { name, span, params: &params, required: &required, by_name: 0 };
         match self.arguments(scope, callee, args) {
             Some(args) => ExprKind::Call { function, args: args.into_iter().flatten().collect(), place },
             None => ExprKind::Error,

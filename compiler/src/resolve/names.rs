@@ -1,10 +1,10 @@
 //! Tables of names.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use treegen_grammar::FileId;
 
-use crate::program::{CalcId, DefId, EnumId, FunctionId, GlobalId, MaterialId, ModuleId, SlotId, SystemId, TextureId};
+use crate::program::{CalcId, DefId, EnumId, FunctionId, GlobalId, MaterialId, ModuleId, SlotId, SystemId};
 
 /// What a name means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub(super) enum Meaning {
     Global(GlobalId),
     Function(FunctionId),
     Enum(EnumId),
-    Texture(TextureId),
+    Texture,
     Material(MaterialId),
     System(SystemId),
     /// A value that a system keeps in a slot.
@@ -37,8 +37,8 @@ pub(super) struct Named {
 pub(super) struct Names {
     table: HashMap<String, Named>,
     order: Vec<String>,
-    /// Text that could not be read: names in it may be defined there.
-    pub(super) unreadable: Vec<treegen_grammar::Span>,
+    /// The words of text that could not be read: names among them may be defined there.
+    pub(super) unreadable: HashSet<String>,
 }
 
 impl Names {

@@ -18,7 +18,7 @@ impl Resolver<'_> {
     /// `texture Bark { ... }`
     pub(super) fn resolve_texture(&mut self, file: FileId, def: Option<DefId>, name: &ast::Name, record: &ast::Record) {
         let Some(def) = def else { return };
-        let Some(at) = self.program.textures.iter().position(|it| it.def == def) else { return };
+        let DefKind::Texture(at) = self.program.def(def).kind else { return };
         let mut scope = Scope::file(file).within(def, Place::file().definition("texture", &name.text));
         let kind = record.fields.iter().find(|it| it.name.text == "kind");
         let Some(kind) = kind else {
@@ -34,7 +34,7 @@ impl Resolver<'_> {
             }
         };
         let owner = crate::words::a(&format!("`{word}` texture"));
-        self.program.textures[at].fields = self.fields(&mut scope, &owner, fields::texture(&word), record);
+        self.program.textures[at as usize].fields = self.fields(&mut scope, &owner, fields::texture(&word), record);
     }
 
     /// `material Bark { ... }`
@@ -62,6 +62,8 @@ impl Resolver<'_> {
                 SceneMember::Error(_) => self.break_def(def),
                 SceneMember::Record { name, fields: record } => {
                     let Some(rules) = self.record_rules(def, name, &mut seen) else { continue };
+                    let scene_def = def;
+                    let def = self.define(&name.text, name.span, DefKind::Scene);
                     let mut scope = Scope::file(file).within(def, Place::file().definition("scene", &name.text));
                     let owner = match name.text.as_str() {
                         "image" => "an image".to_owned(),
@@ -69,6 +71,7 @@ impl Resolver<'_> {
                     };
                     let fields = self.fields(&mut scope, &owner, rules, record);
                     let record = Record { def, name: name.text.clone(), span: name.span, fields };
+                    self.program.defs[scene_def.index()].uses.push(def);
                     if let Some(scene) = &mut self.program.scene {
                         scene.records.push(record);
                     }
@@ -166,7 +169,7 @@ impl Resolver<'_> {
     }
 
     fn texture(&mut self, scope: &mut Scope, field: &str, value: &ast::Expr) -> FieldValue {
-        let fits = |it| matches!(it, Meaning::Texture(_));
+        let fits = |it| matches!(it, Meaning::Texture);
         let found = self.named(scope, value, "texture", &fits, |span| words::records::texture_needed(field, span));
         match found {
             Some((_, named)) if fits(named.meaning) => FieldValue::Texture,

@@ -106,7 +106,7 @@ impl Scope {
     }
 }
 
-impl Resolver<'_> {
+impl<'o> Resolver<'o> {
     /// Makes a name known to the rest of a scope. It may hide none of the program's own.
     pub(super) fn add_local(&mut self, scope: &mut Scope, name: &Name, named: Named) {
         if let Some(other) = self.seen(scope, &name.text) {
@@ -182,12 +182,13 @@ impl Resolver<'_> {
     pub(super) fn may_be_unreadable(&self, scope: &Scope, name: &str) -> bool {
         let of_system = scope.system.and_then(|it| self.systems.get(it.index()));
         let of_file = self.files.get(scope.file.0 as usize);
-        of_system.into_iter().chain(of_file).any(|it| self.is_in(&it.unreadable, name))
+        of_system.into_iter().chain(of_file).any(|it| it.unreadable.contains(name))
     }
 
-    /// Whether a name stands as a word in one of these pieces of text.
-    pub(super) fn is_in(&self, spans: &[Span], name: &str) -> bool {
+    /// The words of a piece of text.
+    pub(super) fn words_in(&self, span: Span) -> impl Iterator<Item = String> + use<'o> {
         let is_word = |it: char| it.is_ascii_alphanumeric() || it == '_';
-        spans.iter().any(|it| self.sources.text(*it).split(|it| !is_word(it)).any(|it| it == name))
+        let sources = self.sources;
+        sources.text(span).split(move |it| !is_word(it)).filter(|it| !it.is_empty()).map(str::to_owned)
     }
 }

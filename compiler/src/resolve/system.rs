@@ -67,7 +67,7 @@ impl<'o> Resolver<'o> {
     /// The value from outside for a `param` or formal.
     pub(super) fn overridden(&self, file: FileId, system: Option<&str>, name: &str) -> Option<&'o ast::Expr> {
         let fits = |it: &&Override| it.file == file && it.system.as_deref() == system && it.name == name;
-        self.overrides.iter().filter(fits).last().map(|it| &it.value)
+        self.overrides.iter().rev().find(fits).map(|it| &it.value)
     }
 
     /// A function of a file or system; the scope says which.
@@ -111,9 +111,10 @@ impl<'o> Resolver<'o> {
         for member in &system.members {
             self.member(&mut body, member, None);
         }
-        for module in 0..self.program.modules.len() {
-            if self.program.modules[module].system == id {
-                self.check_module(&body, ModuleId(module as u32));
+        let meanings: Vec<Meaning> = self.systems[id.index()].iter().map(|it| it.1.meaning).collect();
+        for meaning in meanings {
+            if let Meaning::Module(module) = meaning {
+                self.check_module(&body, module);
             }
         }
         let unreadable = !self.systems[id.index()].unreadable.is_empty();
@@ -205,7 +206,7 @@ impl<'o> Resolver<'o> {
         if let Some(Meaning::Module(module)) = names.get(&name.text).map(|it| it.meaning) {
             return Some(module);
         }
-        if !self.is_in(&names.unreadable, &name.text) {
+        if !names.unreadable.contains(&name.text) {
             let modules = names.iter().filter(|it| matches!(it.1.meaning, Meaning::Module(_))).map(|it| it.0);
             let near = nearest(&name.text, modules).map(str::to_owned);
             self.problems.push(words::systems::no_rules(what, &name.text, name.span, near.as_deref()));
@@ -314,7 +315,8 @@ impl<'o> Resolver<'o> {
         let weight = rule.weight.as_ref().map(|it| self.expr(&mut scope, it));
         let successor = self.solid(&mut scope, &rule.successor);
         let label = rule.label.as_ref().map(|it| it.text.clone());
-        let rule = Rule { label, span: rule_head(rule), priority, guard, weight, body: successor };
+        let appends = rule.arrow == Arrow::Append;
+        let rule = Rule { label, span: rule_head(rule), priority, appends, guard, weight, body: successor };
         self.program.modules[id.index()].rules.push(rule);
     }
 
@@ -337,7 +339,7 @@ impl<'o> Resolver<'o> {
         let module = &self.program.modules[id.index()];
         let mut problems = Vec::new();
         let weighted = module.rules.iter().find(|it| it.weight.is_some());
-        if let (Some(with), Some(without)) = (weighted, module.rules.iter().find(|it| it.weight.is_none())) {
+        if let (Some(with), None, Some(without)) = (weighted, &module.select, module.rules.iter().find(|it| it.weight.is_none())) {
             problems.push(words::systems::some_weights(&module.name, without.span, with.span));
         }
         if let (Some(_), Some(span)) = (&module.select, body.once.selects.get(&id)) {

@@ -75,7 +75,7 @@ impl Resolver<'_> {
         let error = Role::Stride(Stride::Solid(Solid { span, kind: SolidKind::Error }));
         let Some((word, kind, params)) = builtin::WALK_WORDS.iter().find(|it| it.0 == name.text) else { return error };
         let required = vec![true; params.len()];
-        let callee = Callee { name: word, span, params, required: &required };
+        let callee = Callee { name: word, span, params, required: &required, by_name: 0 };
         if !scope.walk {
             for arg in args.unwrap_or(&[]) {
                 self.expr(scope, &arg.value);
@@ -84,7 +84,7 @@ impl Resolver<'_> {
             return error;
         }
         match self.arguments(scope, callee, args.unwrap_or(&[])) {
-            Some(args) => Role::Stride(Stride::Word(*kind, args.into_iter().flatten().collect(), span)),
+            Some(args) => Role::Stride(Stride::Word(*kind, args.into_iter().flatten().collect())),
             None => error,
         }
     }

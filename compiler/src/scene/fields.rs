@@ -5,7 +5,7 @@ use treegen_runtime::form::Value;
 
 use crate::constant::Constants;
 use crate::fields::{FieldRule, FieldType};
-use crate::program::{DefId, Field, FieldValue};
+use crate::program::{Field, FieldValue};
 use crate::words;
 
 /// How many pixels a side of a picture may have: more than any limit on their number allows.
@@ -23,14 +23,14 @@ pub(super) enum Data {
 }
 
 /// The value of a field of a record; `None` when there is a problem, which is then reported.
-pub(super) fn data(constants: &mut Constants<'_>, record: DefId, rule: &FieldRule, field: &Field) -> Option<Data> {
+pub(super) fn data(constants: &mut Constants<'_>, rule: &FieldRule, field: &Field) -> Option<Data> {
     let expr = match &field.value {
         FieldValue::Expr(expr) => expr,
         FieldValue::Word(word) => return Some(Data::Word(word)),
         FieldValue::Texture | FieldValue::Surface => return Some(Data::Other),
         FieldValue::Error => return None,
     };
-    if constants.is_broken(record) {
+    if !constants.is_sound(expr) {
         return None;
     }
     let value = constants.value(expr)?;

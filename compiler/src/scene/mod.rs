@@ -3,12 +3,13 @@
 mod fields;
 
 use glam::DVec3;
+use treegen_grammar::Span;
 use treegen_runtime::form::{Background, Camera, ImageSettings, Lens, Material, Sky, Sun};
 
 use crate::constant::Constants;
 use crate::fields::{self as rules, FieldRule};
 use crate::lower::origin;
-use crate::program::{Field, MaterialId, Record};
+use crate::program::{Field, FieldValue, MaterialId, Record};
 use crate::words;
 use fields::Data;
 
@@ -29,7 +30,7 @@ pub(crate) fn setting(constants: &mut Constants<'_>) -> Setting {
     let mut setting = Setting::default();
     for texture in &program.textures {
         let kind = texture.fields.iter().find_map(|it| match (it.name, &it.value) {
-            ("kind", crate::program::FieldValue::Word(word)) => Some(*word),
+            ("kind", FieldValue::Word(word)) => Some(*word),
             _ => None,
         });
         if let Some(kind) = kind {
@@ -70,7 +71,7 @@ impl<'a> Fields<'a> {
         let mut fields = Self { found: Vec::new(), broken: constants.is_broken(record.def) };
         for field in &record.fields {
             let Some(rule) = rules.iter().find(|it| it.name == field.name) else { continue };
-            match fields::data(constants, record.def, rule, field) {
+            match fields::data(constants, rule, field) {
                 Some(data) => fields.found.push((rule.name, field, data)),
                 None => fields.broken = true,
             }
@@ -80,6 +81,11 @@ impl<'a> Fields<'a> {
 
     fn field(&self, name: &str) -> Option<&'a Field> {
         self.found.iter().find(|it| it.0 == name).map(|it| it.1)
+    }
+
+    fn value_span(&self, name: &str) -> Option<Span> {
+        let field = self.field(name)?;
+        Some(if let FieldValue::Expr(expr) = &field.value { expr.span } else { field.span })
     }
 
     fn data(&self, name: &str) -> Option<&Data> {
@@ -146,7 +152,7 @@ fn camera(constants: &mut Constants<'_>, record: &Record, fields: &Fields<'_>) -
     let eye = DVec3::from(fields.vector("eye")?);
     let target = DVec3::from(fields.vector("target")?);
     if eye == target {
-        let span = fields.field("target").map_or(record.span, |it| it.span);
+        let span = fields.value_span("target").unwrap_or(record.span);
         constants.report(words::records::eye_on_target(span));
         return None;
     }
@@ -156,7 +162,7 @@ fn camera(constants: &mut Constants<'_>, record: &Record, fields: &Fields<'_>) -
         None => {
             let angle = fields.number("fov").unwrap_or(40.0);
             if angle >= 180.0 {
-                let span = fields.field("fov").map_or(record.span, |it| it.span);
+                let span = fields.value_span("fov").unwrap_or(record.span);
                 let is = words::constants::number(angle);
                 constants.report(words::records::bad_value("fov", "an angle above 0 and below 180", span, &is));
                 return None;
@@ -196,8 +202,8 @@ fn sky(fields: &Fields<'_>) -> Sky {
 fn direction(constants: &mut Constants<'_>, fields: &Fields<'_>, name: &str, default: [f64; 3]) -> Option<DVec3> {
     let vector = DVec3::from(fields.vector(name).unwrap_or(default));
     if vector == DVec3::ZERO {
-        let span = fields.field(name)?.span;
-        constants.report(words::records::bad_value(name, "a direction", span, "(0, 0, 0)"));
+        let span = fields.value_span(name)?;
+        constants.report(words::records::bad_value(name, "longer than 0", span, "(0, 0, 0)"));
         return None;
     }
     Some(vector)

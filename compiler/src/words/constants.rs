@@ -46,18 +46,6 @@ fn is_whole(text: &str) -> bool {
     !text.contains('.')
 }
 
-/// What kind of value this is: `a number`.
-pub(crate) fn kind(value: &Value) -> String {
-    match value {
-        Value::Number(_) => "a number".to_owned(),
-        Value::Bool(_) => "a truth value".to_owned(),
-        Value::Vector(it) => format!("a vector of {}", it.parts().len()),
-        Value::List(_) => "a list".to_owned(),
-        Value::Text(_) => "a text".to_owned(),
-        Value::Case { .. } => "a value of an enum".to_owned(),
-    }
-}
-
 /// What may stand in a field.
 pub(crate) fn needs(kind: FieldType) -> String {
     match kind {

@@ -142,11 +142,7 @@ pub(crate) fn surface_what(name: &str, span: Span) -> Problem {
     Problem::error("E0519", format!("`{name}` takes a call of a system, as in `{name}: Ground()`"), span, "not a system's call")
 }
 
-/// What is not there yet.
-pub(crate) fn not_yet(what: &str, span: Span, user: Option<Span>) -> Problem {
-    let problem = Problem::error("E0701", format!("{what} not supported yet"), span, "cannot be drawn");
-    match user {
-        Some(user) => problem.and(user, "needed for what is shown here"),
-        None => problem,
-    }
+/// What is not there yet: `what` says it with its verb, "`terrain` is".
+pub(crate) fn not_yet(what: &str, span: Span) -> Problem {
+    Problem::error("E0701", format!("{what} not supported yet"), span, "needed for what is shown")
 }

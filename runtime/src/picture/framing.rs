@@ -17,6 +17,8 @@ const FROM: DVec3 = DVec3::new(0.52, -0.78, 0.36);
 const PART: f64 = 0.86;
 /// How many rays a side look where in the box things are.
 const PROBES: u32 = 64;
+/// How much of the box's height may be ground.
+const GROUND: f64 = 0.01;
 /// The camera stands at multiples of this part of the box's size, so that it does not depend on the last bits of a hit.
 const STEP: f64 = 1.0 / 1024.0;
 
@@ -68,6 +70,8 @@ fn fit(points: impl Iterator<Item = DVec3>, bounds: &Aabb, width: u32, height: u
 fn probe(tracer: &dyn Tracer, camera: &Camera, bounds: &Aabb, width: u32, height: u32) -> Vec<DVec3> {
     let rays = Rays::new(camera, width, height);
     let spacing = DVec2::new(f64::from(width), f64::from(height)) / f64::from(PROBES);
+    // What stands on an endless ground ends where that begins: the ground around it is not to be framed.
+    let low = bounds.min + DVec3::Z * ((bounds.max.z - bounds.min.z) * GROUND);
     let mut seen = Vec::new();
     let mut samples = Vec::new();
     for row in 0..PROBES {
@@ -80,7 +84,7 @@ fn probe(tracer: &dyn Tracer, camera: &Camera, bounds: &Aabb, width: u32, height
             return Vec::new();
         }
         let hits = samples.iter().flat_map(|sample| &sample.fragments).map(|fragment| fragment.position);
-        seen.extend(hits.filter(|hit| hit.cmpge(bounds.min).all() && hit.cmple(bounds.max).all()));
+        seen.extend(hits.filter(|hit| hit.cmpge(low).all() && hit.cmple(bounds.max).all()));
     }
     seen
 }

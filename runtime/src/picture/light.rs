@@ -29,7 +29,7 @@ const DEFAULT_SUN: [f64; 3] = [-0.75, 0.35, 1.05];
 /// It is warm, which sets it off from the shadows,
 const DEFAULT_SUN_COLOR: [f64; 3] = [1.0, 0.965, 0.9];
 /// and a bit stronger than others, since it is mostly grey that it lights.
-const DEFAULT_SUN_STRENGTH: f64 = 1.25;
+const DEFAULT_SUN_STRENGTH: f64 = 1.4;
 
 /// All that lights a scene.
 #[derive(Clone, Debug)]

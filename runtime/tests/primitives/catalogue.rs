@@ -5,10 +5,10 @@ use treegen_runtime::form::PrimitiveKind;
 use treegen_runtime::geometry::{Chord, Chords, Primitive, Ray};
 
 /// A primitive and what it should be.
-pub struct Sample {
-    pub kind: PrimitiveKind,
-    pub params: &'static [f64],
-    pub primitive: Primitive,
+pub(crate) struct Sample {
+    pub(crate) kind: PrimitiveKind,
+    pub(crate) params: &'static [f64],
+    pub(crate) primitive: Primitive,
 }
 
 /// What all kinds are tried with.
@@ -60,18 +60,18 @@ const CATALOGUE: &[(PrimitiveKind, &[f64])] = &[
 ];
 
 /// All solids.
-pub fn solids() -> Vec<Sample> {
+pub(crate) fn solids() -> Vec<Sample> {
     CATALOGUE.iter().map(|(kind, params)| Sample { kind: *kind, params, primitive: primitive(*kind, params) }).collect()
 }
 
 /// A primitive that must exist.
-pub fn primitive(kind: PrimitiveKind, params: &[f64]) -> Primitive {
+pub(crate) fn primitive(kind: PrimitiveKind, params: &[f64]) -> Primitive {
     Primitive::new(kind, params).unwrap_or_else(|| panic!("{kind:?} {params:?} is a solid"))
 }
 
 impl Sample {
     /// Less than 0 behind the face, more in front of it; about the distance for most kinds.
-    pub fn face_field(&self, face: u8, p: DVec3) -> f64 {
+    pub(crate) fn face_field(&self, face: u8, p: DVec3) -> f64 {
         let across = p.truncate().length();
         match (self.kind, self.params) {
             (PrimitiveKind::Sphere, _) => p.length() - 1.0,
@@ -108,7 +108,7 @@ impl Sample {
     }
 
     /// How many faces it has.
-    pub fn faces(&self) -> u8 {
+    pub(crate) fn faces(&self) -> u8 {
         match self.kind {
             PrimitiveKind::Cylinder | PrimitiveKind::Cone => 3,
             PrimitiveKind::Box => 6,
@@ -118,37 +118,37 @@ impl Sample {
     }
 
     /// Not more than 0 inside.
-    pub fn field(&self, p: DVec3) -> f64 {
+    pub(crate) fn field(&self, p: DVec3) -> f64 {
         (0..self.faces()).map(|face| self.face_field(face, p)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Whether a line meets it in one piece at most.
-    pub fn is_convex(&self) -> bool {
+    pub(crate) fn is_convex(&self) -> bool {
         !matches!(self.kind, PrimitiveKind::Torus | PrimitiveKind::Quadric)
     }
 
     /// For messages.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         format!("{:?} {:?}", self.kind, self.params)
     }
 }
 
 /// The ends of a chord, infinite ones replaced by some place inside.
-pub fn finite_part(chord: &Chord) -> (f64, f64) {
+pub(crate) fn finite_part(chord: &Chord) -> (f64, f64) {
     let (near, far) = (chord.near.t, chord.far.t);
     (if near.is_finite() { near } else { far.min(0.0) - 2.0 }, if far.is_finite() { far } else { near.max(0.0) + 2.0 })
 }
 
 /// Whether t is inside one of the chords.
-pub fn covers(chords: &Chords, t: f64) -> bool {
+pub(crate) fn covers(chords: &Chords, t: f64) -> bool {
     chords.iter().any(|it| it.near.t <= t && t <= it.far.t)
 }
 
 /// Pseudo-random numbers with a fixed seed (splitmix64).
-pub struct Numbers(pub u64);
+pub(crate) struct Numbers(pub(crate) u64);
 
 impl Numbers {
-    pub fn bits(&mut self) -> u64 {
+    pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -157,17 +157,17 @@ impl Numbers {
     }
 
     /// From -1 to 1.
-    pub fn number(&mut self) -> f64 {
+    pub(crate) fn number(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
     /// A whole number from `-most` to `most`.
-    pub fn whole(&mut self, most: i64) -> i64 {
+    pub(crate) fn whole(&mut self, most: i64) -> i64 {
         (self.bits() % (2 * most as u64 + 1)) as i64 - most
     }
 
     /// In the unit ball, but not at its centre.
-    pub fn in_ball(&mut self) -> DVec3 {
+    pub(crate) fn in_ball(&mut self) -> DVec3 {
         loop {
             let p = DVec3::new(self.number(), self.number(), self.number());
             if (0.01..=1.0).contains(&p.length()) {
@@ -177,12 +177,12 @@ impl Numbers {
     }
 
     /// Any direction, of length 1.
-    pub fn direction(&mut self) -> DVec3 {
+    pub(crate) fn direction(&mut self) -> DVec3 {
         self.in_ball().normalize()
     }
 
     /// A ray about the origin: now far, now near, now in one of the directions that are special to unit solids.
-    pub fn ray(&mut self) -> Ray {
+    pub(crate) fn ray(&mut self) -> Ray {
         let grid =
             |it: &mut Self, most: i64| DVec3::new(it.whole(most) as f64, it.whole(most) as f64, it.whole(most) as f64);
         match self.bits() % 4 {

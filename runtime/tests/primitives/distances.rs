@@ -141,3 +141,19 @@ fn a_torus_is_met_where_its_circles_are() {
         }
     }
 }
+
+#[test]
+fn a_quadric_far_from_the_origin_of_its_frame_is_met_as_well_as_one_at_it() {
+    // The unit sphere about (1024, 0, 0). All numbers are whole or eighths, so moving a ray there rounds nothing.
+    let there = primitive(PrimitiveKind::Quadric, &[1.0, 1.0, 1.0, 0.0, 0.0, 0.0, -2048.0, 0.0, 0.0, 1_048_575.0]);
+    let here = primitive(PrimitiveKind::Sphere, &[]);
+    let mut numbers = Numbers(24);
+    for _ in 0..2_000 {
+        let mut eighths = || numbers.whole(32) as f64 / 8.0;
+        let origin = DVec3::new(eighths(), eighths(), eighths());
+        let direction = 0.5 * numbers.in_ball() - origin;
+        let expected = here.chords(&Ray { origin, direction }, None)[0];
+        let found = there.chords(&Ray { origin: origin + DVec3::new(1024.0, 0.0, 0.0), direction }, None)[0];
+        assert!((found.near.t - expected.near.t).abs() <= 1e-13 && (found.far.t - expected.far.t).abs() <= 1e-13);
+    }
+}

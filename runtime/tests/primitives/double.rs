@@ -4,20 +4,20 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The sum of both parts; the second is at most half a unit in the last place of the first.
 #[derive(Clone, Copy, Debug)]
-pub struct Double(f64, f64);
+pub(crate) struct Double(f64, f64);
 
 impl Double {
-    pub fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         let root = self.0.sqrt();
         let rest = self - Self::from(root) * Self::from(root);
         sum(root, rest.0 / (2.0 * root))
     }
 
-    pub fn to_f64(self) -> f64 {
+    pub(crate) fn to_f64(self) -> f64 {
         self.0 + self.1
     }
 
-    pub fn dot(a: [f64; 3], b: [f64; 3]) -> Self {
+    pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> Self {
         product(a[0], b[0]) + product(a[1], b[1]) + product(a[2], b[2])
     }
 }

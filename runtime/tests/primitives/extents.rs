@@ -72,7 +72,8 @@ fn a_support_is_infinite_exactly_where_the_solid_does_not_end() {
 #[test]
 fn bounds_are_the_smallest_boxes() {
     let inf = f64::INFINITY;
-    let cases: [(PrimitiveKind, &[f64], [f64; 3], [f64; 3]); 11] = [
+    type Corner = [f64; 3];
+    let cases: [(PrimitiveKind, &[f64], Corner, Corner); 11] = [
         (PrimitiveKind::Sphere, &[], [-1.0; 3], [1.0; 3]),
         (PrimitiveKind::Cylinder, &[], [-1.0, -1.0, 0.0], [1.0; 3]),
         (PrimitiveKind::Cone, &[0.5, 2.0], [-2.0, -2.0, 0.0], [2.0, 2.0, 1.0]),

@@ -1,5 +1,7 @@
 //! The unit primitives against closed forms, exact arithmetic and their own definitions.
 
+#![allow(clippy::panic, reason = "a test that fails panics, also in its helpers")]
+
 mod catalogue;
 mod definitions;
 mod distances;

@@ -42,7 +42,7 @@ fn the_mirrored_nappe_is_never_met() {
     let mut numbers = Numbers(40);
     for _ in 0..20_000 {
         // Through the apex, or close by, and above it.
-        let aim = DVec3::new(0.0, 0.0, 1.0) + 1e-9 * numbers.in_ball() * f64::from(numbers.bits() % 2 == 0);
+        let aim = DVec3::new(0.0, 0.0, 1.0) + 1e-9 * numbers.in_ball() * f64::from(numbers.bits().is_multiple_of(2));
         let direction = numbers.direction();
         let ray = Ray { origin: aim + 3.0 * direction, direction: -direction };
         for chord in cone.chords(&ray, None) {

@@ -305,7 +305,8 @@ impl Search<'_, '_> {
             reached = step(&reached)?;
         }
         let mut factor = 1.0 + 1e-3;
-        for _ in 0..64 {
+        // Up to 2^40 times as far. Further out, adding what a step of the cycle moves by would be lost in rounding.
+        for _ in 0..50 {
             let mut guess: Vec<Loose> = reached.iter().map(|it| it.inflated(factor)).collect();
             if holds(&guess, &step(&guess)?) {
                 // What is made from bounds that hold holds as well, and is smaller.

@@ -1,10 +1,8 @@
 //! Exact boxes: how far what is really there reaches, by branch and bound over the loose bounds.
 //!
-//! The furthest reach in a direction is looked for in the state whose loose bounds reach furthest, then in the states in it, until no other
-//! can reach further. Of the thousands of parts below a state only those near the extreme point are ever looked at.
-
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+//! The furthest reach in a direction is looked for in that of the states in a state whose loose bounds reach furthest, and so on inwards; then
+//! in the others, unless they cannot reach as far. Of the thousands of parts below a state only those near the extreme point are ever
+//! looked at.
 
 use glam::{DAffine3, DVec3};
 
@@ -14,12 +12,13 @@ use super::store::Store;
 use crate::fault::Fault;
 use crate::geometry::Aabb;
 
-/// States that one search opens; then the loose bound that is left stands.
-const MOST_OPENED: u32 = 4096;
+/// States that one search opens; then the loose bounds that are left stand.
+const MOST_OPENED: u32 = 512;
 /// Booleans inside one another that a search goes into; below, loose bounds stand.
 const MOST_NESTED: u32 = 8;
 
 /// A state that may reach as far as `most`.
+#[derive(Clone, Copy)]
 struct Open {
     most: f64,
     state: u32,
@@ -27,36 +26,17 @@ struct Open {
     offset: f64,
 }
 
-impl PartialEq for Open {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Open {}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.most.total_cmp(&other.most)
-    }
-}
-
 /// How far things reach in one direction.
 struct Reach<'a, 's> {
     store: &'a Store<'s>,
     best: f64,
-    open: BinaryHeap<Open>,
+    /// What is still to be searched; of what one state added, the furthest last.
+    open: Vec<Open>,
     nested: u32,
 }
 
 impl Store<'_> {
-    /// The box of a state in the frame outside it, exact but for `slack`.
+    /// The box of a state in the frame outside it: never too small, and seldom larger than need be by more than `slack`.
     ///
     /// # Errors
     /// What fails in expanding what is below it.
@@ -104,17 +84,22 @@ impl Store<'_> {
         slack: f64,
         start: impl FnOnce(&mut Reach<'_, '_>) -> Result<(), Fault>,
     ) -> Result<f64, Fault> {
-        let mut reach = Reach { store: self, best: f64::NEG_INFINITY, open: BinaryHeap::new(), nested };
+        let mut reach = Reach { store: self, best: f64::NEG_INFINITY, open: Vec::new(), nested };
         start(&mut reach)?;
         let mut opened = 0;
         while let Some(next) = reach.open.pop() {
-            opened += 1;
-            if next.most <= reach.best + slack || opened > MOST_OPENED {
-                return Ok(next.most.max(reach.best));
+            if next.most <= reach.best + slack {
+                continue;
             }
+            opened += 1;
+            if opened > MOST_OPENED {
+                return Ok(reach.open.iter().map(|it| it.most).fold(reach.best.max(next.most), f64::max));
+            }
+            let before = reach.open.len();
             reach.add(self.pieces(next.state)?, next.direction, next.offset, slack)?;
+            reach.open[before..].sort_by(|a, b| a.most.total_cmp(&b.most));
         }
-        Ok(reach.best)
+        Ok(reach.best + slack)
     }
 }
 

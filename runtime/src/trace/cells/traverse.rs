@@ -109,7 +109,10 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         let mut search = Search { tracing: self, generation, scratch };
         search.scratch.frames.clear();
         search.scratch.ahead.clear();
-        match search.enter(ask, start, NONE).and_then(|()| search.run(ask)) {
+        // No closure here: only what is inlined is compiled for the kernel's SIMD.
+        let entered = search.enter(ask, start, NONE);
+        let searched = if entered.is_ok() { search.run(ask) } else { entered };
+        match searched {
             Ok(()) => Ok(()),
             Err(fault) => Err(search.led(fault)),
         }

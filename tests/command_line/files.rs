@@ -1,0 +1,119 @@
+//! What is read: the program, and what it uses from below its own folder; nothing else, ever.
+
+use crate::support::{Folder, SPHERE, pixels};
+
+const CANARY: &str = "canary_7f3a";
+
+#[test]
+fn a_program_from_standard_input_goes_to_standard_output() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    folder.run(&["a.tg"]).ended(0);
+    let ran = folder.run_with_input(&["-"], SPHERE.as_bytes()).ended(0);
+    assert_eq!(ran.out, folder.read("a.png"));
+    assert_eq!(ran.said, "");
+    folder.run_with_input(&["-", "-o", "b.png"], SPHERE.as_bytes()).ended(0);
+    assert_eq!(folder.read("b.png"), ran.out);
+    assert_eq!(folder.run(&["a.tg", "-o", "-"]).ended(0).out, ran.out);
+}
+
+#[test]
+fn a_program_from_standard_input_uses_files_of_the_current_folder() {
+    let folder = Folder::with(&[("lib/ball.tg", "csg Ball { start sphere; }")]);
+    let program = "use \"lib/ball.tg\" as ball; scene { image { size: (8, 8) } show ball.Ball(); }";
+    let ran = folder.run_with_input(&["-"], program.as_bytes()).ended(0);
+    assert_eq!((pixels(&ran.out).0, pixels(&ran.out).1), (8, 8));
+}
+
+#[test]
+fn used_files_are_found_beside_the_program_wherever_it_is_called_from() {
+    let folder = Folder::with(&[
+        ("deep/main.tg", "use \"lib/ball.tg\"; scene { image { size: (8, 8) } show ball.Ball(); }"),
+        ("deep/lib/ball.tg", "use \"../shape.tg\"; csg Ball { start shape.Shape(); }"),
+        ("deep/shape.tg", "csg Shape { start sphere; }"),
+    ]);
+    folder.run(&["deep/main.tg"]).ended(0);
+    // A mistake in a used file is shown with a path that an editor finds from here.
+    folder.write("deep/shape.tg", b"csg Shape { start sphre; }");
+    folder.run(&["deep/main.tg"]).ended(1).saying(&["deep/shape.tg:1:19"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_outside_the_root_is_read_or_told() {
+    use std::os::unix::fs::symlink;
+    let folder = Folder::with(&[
+        ("outside.tg", &format!("csg {CANARY} {{ start sphre; }}")),
+        ("outside/secret.tg", &format!("csg {CANARY} {{ start sphre; }}")),
+        ("root/folder/x", ""),
+    ]);
+    let outside = folder.path("outside.tg");
+    symlink(&outside, folder.path("root/link.tg")).unwrap();
+    symlink(folder.path("outside"), folder.path("root/linked")).unwrap();
+    symlink("loop.tg", folder.path("root/loop.tg")).unwrap();
+    folder.shell("mkfifo root/pipe.tg").ended(0);
+    let long = "x".repeat(5000);
+    let paths = [
+        "../outside.tg", "folder/../../outside.tg", "./.././outside.tg", "absent/../../outside.tg", "link.tg", "linked/secret.tg",
+        "linked/../../outside.tg", outside.to_str().unwrap(), "//outside.tg", "/etc/hostname", "/dev/zero", "/proc/self/environ",
+        "C:\\outside.tg", "file:///etc/hostname", "%2e%2e/outside.tg", "..%2foutside.tg", "loop.tg", "pipe.tg", "folder", "", ".", "..",
+        long.as_str(),
+    ];
+    for path in paths {
+        let program = format!("use {path:?} as it; scene {{ show it.{CANARY}x(); }}");
+        folder.write("root/main.tg", program.replace(&format!("{CANARY}x"), "Thing").as_bytes());
+        let ran = folder.run(&["root/main.tg", "-o", "a.png"]);
+        assert!(matches!(ran.code, Some(1 | 4)), "{path}: {:?}", ran.code);
+        assert!(!ran.said.contains(CANARY), "{path}:\n{}", ran.said);
+        assert!(ran.said.len() < 65536);
+    }
+    assert!(!folder.exists("a.png"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_that_is_a_link_uses_what_lies_beside_the_file_it_stands_for() {
+    let folder = Folder::with(&[
+        ("project/main.tg", "use \"ball.tg\"; scene { image { size: (8, 8) } show ball.Ball(); }"),
+        ("project/ball.tg", "csg Ball { start sphere; }"),
+    ]);
+    std::os::unix::fs::symlink("project/main.tg", folder.path("link.tg")).unwrap();
+    folder.run(&["link.tg"]).ended(0);
+    assert!(folder.exists("link.png"));
+}
+
+#[cfg(unix)]
+#[test]
+fn nobody_waits_for_a_pipe_or_an_endless_device() {
+    let folder = Folder::with(&[]);
+    folder.shell("mkfifo pipe.tg").ended(0);
+    folder.run(&["pipe.tg"]).ended(4).saying(&["it is not a file", "give `-`"]);
+    folder.run(&["/dev/zero"]).ended(4).saying(&["it is not a file"]);
+    folder.shell("$treegen - -o a.png </dev/zero").ended(3).saying(&["4 MiB"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_is_shown_with_what_could_harm_a_terminal_escaped() {
+    let folder = Folder::with(&[("a\u{1b}[31m\n.tg", "scene { show sphre; }")]);
+    folder.run(&["b\u{1b}[31m\n\u{202e}.tg"]).ended(4).saying(&["b\\u{1b}[31m\\n\\u{202e}.tg"]);
+    let said = folder.run(&["a\u{1b}[31m\n.tg"]).ended(1).said;
+    assert!(!said.contains('\u{1b}'), "{said:?}");
+}
+
+#[test]
+fn what_is_no_text_is_told_with_its_place_and_what_it_looks_like() {
+    let folder = Folder::with(&[]);
+    let cases: [(&[u8], &str); 5] = [
+        (b"// caf\xe9\n", "byte 6"),
+        (b"\xff\xfes\0c\0", "UTF-16"),
+        (b"\x89PNG\r\n\x1a\n", "PNG"),
+        (b"\x1f\x8b\x08\0", "gzip"),
+        (b"scene { show sphere; } // \xed\xa0\x80", "byte 26"),
+    ];
+    for (bytes, part) in cases {
+        folder.write("a.tg", bytes);
+        folder.run(&["a.tg"]).ended(1).saying(&["a.tg", part]);
+        folder.run_with_input(&["-"], bytes).ended(1).saying(&["standard input", part]);
+    }
+    assert_eq!(folder.names(), ["a.tg"]);
+}

@@ -1,0 +1,9 @@
+//! The command line: what it takes, what it says, how it ends, and that it never harms a file.
+
+mod exit_codes;
+mod files;
+mod help;
+mod interrupts;
+mod output;
+mod same_bytes;
+mod support;

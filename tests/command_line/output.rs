@@ -1,0 +1,221 @@
+//! What is written: all of it or nothing, and only where it was asked for.
+
+use crate::support::{FRACTAL, Folder, SPHERE, pixels, texts};
+
+const OLD: &[u8] = b"an old picture";
+
+#[test]
+fn the_picture_goes_beside_nobody_asked_but_into_the_current_folder() {
+    let folder = Folder::with(&[("deep/a.b.tg", SPHERE)]);
+    folder.run(&["deep/a.b.tg"]).ended(0);
+    assert_eq!(folder.names(), ["a.b.png", "deep"]);
+}
+
+#[test]
+fn an_exr_has_all_the_layers() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    folder.run(&["a.tg", "-o", "a.EXR"]).ended(0);
+    let meta = exr::meta::MetaData::read_from_file(folder.path("a.EXR"), true).unwrap();
+    let channels: Vec<String> = meta.headers[0].channels.list.iter().map(|it| it.name.to_string()).collect();
+    assert_eq!(channels, ["A", "B", "G", "N.x", "N.y", "N.z", "P.x", "P.y", "P.z", "R", "Z", "material"]);
+}
+
+#[test]
+fn a_picture_tells_what_made_it() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    let run = |more: &[&str]| {
+        let all = [&["a.tg", "--size", "32x16", "--crop", "4,4,8,8"], more].concat();
+        folder.run(&all).ended(0);
+        texts(&folder.read("a.png"))
+    };
+    let set = ["--set", "size=.5", "--set", "Fractal.order = 2", "--seed", "7", "--samples", "1"];
+    let texts = run(&set);
+    let of = |key: &str| texts.iter().find(|it| it.0 == key).map(|it| it.1.as_str());
+    assert_eq!(of("Software"), Some(concat!("treegen ", env!("CARGO_PKG_VERSION"))));
+    assert_eq!(of("Seed"), Some("7"));
+    assert_eq!(of("Size"), Some("32x16"));
+    assert_eq!(of("Crop"), Some("4,4,8,8"));
+    assert_eq!(of("Samples"), Some("1"));
+    assert_eq!(of("Set"), Some("Fractal.order=2\nsize=.5"));
+    assert_eq!(of("Source SHA-256").map(str::len), Some(64));
+    let other_order = ["--samples", "1", "--seed", "7", "--set", "Fractal.order=2", "--set", "size=.5"];
+    assert_eq!(run(&other_order), texts);
+}
+
+#[test]
+fn settings_and_seeds_change_the_picture() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    let of = |more: &[&str]| pixels(&folder.run(&[&["a.tg", "-o", "-"], more].concat()).ended(0).out).2;
+    let plain = of(&[]);
+    assert_eq!(of(&["--seed", "0"]), plain);
+    assert_ne!(of(&["--seed", "1"]), plain);
+    assert_ne!(of(&["--set", "size=.5"]), plain);
+    assert_ne!(of(&["--set", "Fractal.order=1"]), plain);
+}
+
+#[test]
+fn the_numbers_of_a_run_are_written_as_json() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    let of = |more: &[&str]| -> serde_json::Value {
+        folder.run(&[&["a.tg", "--stats", "a.json", "--samples", "1"], more].concat()).ended(0);
+        serde_json::from_slice(&folder.read("a.json")).unwrap()
+    };
+    let stats = of(&[]);
+    // One ray a pixel.
+    assert_eq!(stats["rays"]["camera"], 40 * 30);
+    for step in ["compile", "prepare", "render"] {
+        assert!(stats["seconds"][step].as_f64().unwrap() >= 0.0, "{stats}");
+    }
+    for number in ["states", "cells", "cell_bytes"] {
+        assert!(stats[number].as_u64().unwrap() > 0, "{stats}");
+    }
+    assert!(stats["rays"]["shadow"].is_u64());
+    assert!(of(&["--reference"])["states"].is_null());
+}
+
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+#[test]
+fn time_and_memory_are_those_of_the_process() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    folder.run(&["a.tg", "--stats", "a.json", "--size", "200x200", "--threads", "1"]).ended(0);
+    let stats: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).unwrap();
+    let (cpu, clock) = (stats["cpu_seconds"]["render"].as_f64().unwrap(), stats["seconds"]["render"].as_f64().unwrap());
+    // One thread works; the one that watches it does next to nothing.
+    assert!(0.0 < cpu && cpu < clock * 1.2 + 0.05, "{stats}");
+    let memory = stats["peak_rss_bytes"].as_u64().unwrap();
+    assert!((1 << 20..1 << 30).contains(&memory), "{stats}");
+}
+
+#[test]
+fn the_program_is_never_overwritten() {
+    let folder = Folder::with(&[("a.png", SPHERE), ("b.tg", SPHERE), ("c.tg", "use \"ball.exr\"; scene { show ball.Ball(); }")]);
+    folder.write("ball.exr", b"csg Ball { start sphere; }");
+    folder.run(&["a.png", "-o", "a.png"]).ended(2).saying(&["is the program"]);
+    folder.run(&["a.png", "-o", "./a.png"]).ended(2);
+    folder.run(&["b.tg", "--stats", "b.tg"]).ended(2).saying(&["is the program"]);
+    folder.run(&["c.tg", "-o", "ball.exr"]).ended(2).saying(&["ball.exr"]);
+    // Without a name, a program that is called .png would be its own picture.
+    folder.run(&["a.png"]).ended(2);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("a.png", folder.path("link.png")).unwrap();
+        std::fs::hard_link(folder.path("a.png"), folder.path("hard.png")).unwrap();
+        folder.run(&["a.png", "-o", "link.png"]).ended(2);
+        folder.run(&["a.png", "-o", "hard.png"]).ended(2);
+    }
+    assert_eq!(folder.read("a.png"), SPHERE.as_bytes());
+    assert_eq!(folder.read("b.tg"), SPHERE.as_bytes());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_goes_on_pointing_to_the_picture_and_the_mode_stays() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::with(&[("a.tg", SPHERE), ("pictures/real.png", "old")]);
+    let mode = |name: &str| std::fs::metadata(folder.path(name)).unwrap().permissions().mode() & 0o777;
+    std::fs::set_permissions(folder.path("pictures/real.png"), PermissionsExt::from_mode(0o604)).unwrap();
+    symlink("pictures/real.png", folder.path("link.png")).unwrap();
+    folder.run(&["a.tg", "-o", "link.png"]).ended(0);
+    assert!(std::fs::symlink_metadata(folder.path("link.png")).unwrap().is_symlink());
+    assert_eq!(pixels(&folder.read("pictures/real.png")).0, 24);
+    assert_eq!(mode("pictures/real.png"), 0o604);
+    // A new file has the mode that any other program would give it.
+    folder.shell("umask 027; $treegen a.tg -o new.png").ended(0);
+    assert_eq!(mode("new.png"), 0o640);
+    symlink("nowhere.png", folder.path("dangling.png")).unwrap();
+    folder.run(&["a.tg", "-o", "dangling.png"]).ended(4).saying(&["it is a link to nothing"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_and_pipes_are_written_through_and_never_replaced() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    folder.run(&["a.tg", "-o", "-"]).ended(0);
+    folder.run(&["a.tg", "-o", "/dev/null"]).ended(0);
+    let read = folder.shell("mkfifo pipe; $treegen a.tg -o pipe & cat pipe; wait $!").ended(0).out;
+    assert_eq!(pixels(&read).0, 24);
+    let exr = folder.shell("mkfifo pipe.exr; $treegen a.tg -o pipe.exr & cat pipe.exr; wait $!").ended(0).out;
+    assert!(exr.starts_with(b"\x76\x2f\x31\x01"));
+    let kind = std::fs::symlink_metadata(folder.path("pipe")).unwrap().file_type();
+    assert!(std::os::unix::fs::FileTypeExt::is_fifo(&kind));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    folder.run(&["a.tg", "-o", "/dev/full"]).ended(4).saying(&["cannot write `/dev/full`", "No space left"]);
+    folder.shell("$treegen a.tg -o - >/dev/full").ended(4).saying(&["cannot write `standard output`"]);
+    folder.run(&["a.tg", "--stats", "/dev/full"]).ended(4).saying(&["cannot write `/dev/full`"]);
+    folder.run(&["a.tg", "-o", "/proc/a.png"]).ended(4).saying(&["cannot write `/proc/a.png`"]);
+    // What has no room is told before the picture gets its name.
+    assert_eq!(folder.names(), ["a.tg"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_disk_that_fills_up_on_the_way_leaves_the_old_picture_and_nothing_else() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    for name in ["a.png", "a.exr"] {
+        folder.write(name, OLD);
+        // So many blocks of 512 bytes are all that any file may have.
+        folder.shell(&format!("ulimit -f 1; $treegen a.tg --size 200x200 -o {name}")).ended(4).saying(&["cannot write", name]);
+        assert_eq!(folder.read(name), OLD);
+    }
+    assert_eq!(folder.names(), ["a.exr", "a.png", "a.tg"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_may_not_be_written_to_is_left_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with(&[("a.tg", SPHERE), ("closed/a.png", "old"), ("file.png", "old")]);
+    let set = |name: &str, mode| std::fs::set_permissions(folder.path(name), PermissionsExt::from_mode(mode)).unwrap();
+    set("closed", 0o555);
+    set("file.png", 0o444);
+    // The superuser may write everywhere.
+    if std::fs::write(folder.path("closed/probe"), "").is_err() {
+        folder.run(&["a.tg", "-o", "closed/a.png"]).ended(4).saying(&["cannot write `closed/a.png`"]);
+        folder.run(&["a.tg", "-o", "closed/new.png"]).ended(4);
+        folder.run(&["a.tg", "-o", "file.png"]).ended(4);
+        assert_eq!(folder.read("closed/a.png"), b"old");
+        assert_eq!(folder.read("file.png"), b"old");
+    }
+    set("closed", 0o755);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_who_has_enough_is_no_mistake() {
+    let folder = Folder::with(&[("a.tg", FRACTAL), ("wrong.tg", "scene { show sphre; }")]);
+    let first = "{ $treegen a.tg --size 300x300 -o -; echo $? >code; } | head -c 8 | od -An -c";
+    folder.shell(first).ended(0);
+    assert_eq!(folder.read("code"), b"0\n");
+    for arguments in ["--help", "--version", "check --help"] {
+        let ran = folder.shell(&format!("{{ $treegen {arguments}; echo $? >code; }} | true")).ended(0);
+        assert_eq!((ran.said.as_str(), folder.read("code").as_slice()), ("", b"0\n".as_slice()));
+    }
+    // Nobody hears the message; the exit code tells.
+    folder.shell("{ $treegen wrong.tg 2>&1; echo $? >code; } | true").ended(0);
+    assert_eq!(folder.read("code"), b"1\n");
+}
+
+#[cfg(unix)]
+#[test]
+fn closed_streams_are_no_reason_to_fail() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    folder.shell("$treegen a.tg <&- >&- 2>&-").ended(0);
+    assert_eq!(pixels(&folder.read("a.png")).0, 24);
+    folder.shell("$treegen --help >&-").ended(0);
+}
+
+#[cfg(unix)]
+#[test]
+fn two_runs_that_write_one_picture_write_a_whole_one() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    folder.shell("for seed in 1 2 3 4; do $treegen a.tg --seed $seed -o all.png & done; wait").ended(0);
+    let all = folder.read("all.png");
+    let each = ["1", "2", "3", "4"].map(|seed| folder.run(&["a.tg", "--seed", seed, "-o", "-"]).ended(0).out);
+    assert!(each.contains(&all));
+    assert_eq!(folder.names(), ["a.tg", "all.png"]);
+}

@@ -1,5 +1,6 @@
 //! The command line: what it takes, and the help that is written for people.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
@@ -8,7 +9,7 @@ use treegen_compiler::Setting;
 use treegen_runtime::picture::Rect;
 use treegen_runtime::trace::cells::Culling as CullingMode;
 
-use crate::console::{self, Color, Console, shown_text};
+use crate::console::{self, Color, Console, shown, shown_text};
 use crate::exit::Exit;
 
 /// More threads than any machine it is made for has; each takes 256 MiB of address space.
@@ -36,7 +37,8 @@ Exit codes:
 /// Renders programs of treegen, a language for natural forms
 #[derive(Debug, Parser)]
 #[command(name = "treegen", version, after_help = EXAMPLES, max_term_width = 110, arg_required_else_help = true)]
-#[command(subcommand_negates_reqs = true, disable_help_subcommand = true, disable_help_flag = true, override_usage = USAGE)]
+#[command(subcommand_negates_reqs = true, disable_help_subcommand = true, disable_help_flag = true)]
+#[command(disable_version_flag = true, override_usage = USAGE)]
 pub struct Cli {
     /// Something else than a picture
     #[command(subcommand)]
@@ -50,6 +52,9 @@ pub struct Cli {
     /// Print this help
     #[arg(short, long, global = true, action = clap::ArgAction::HelpShort, help_heading = "Messages")]
     help: Option<bool>,
+    /// Print the version
+    #[arg(short = 'V', long, action = clap::ArgAction::Version, help_heading = "Messages")]
+    version: Option<bool>,
     /// When messages are coloured
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = "Messages")]
     pub color: Color,
@@ -110,7 +115,7 @@ pub struct Render {
     /// Trace by the book, slowly: what everything else is measured by
     #[arg(long, help_heading = "Work", conflicts_with_all = ["culling", "cell_memory"])]
     pub reference: bool,
-    /// Write the numbers of the run (rays, seconds, memory) as JSON
+    /// Write the numbers of the run (rays, seconds, memory) as JSON; `-` is standard output
     #[arg(long, value_name = "FILE", help_heading = "Work")]
     pub stats: Option<PathBuf>,
     /// Pixels a side of what one thread does at once; it changes nothing but the time
@@ -125,7 +130,7 @@ pub struct Program {
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting, help_heading = "Program")]
     pub set: Vec<Setting>,
     /// Another seed draws another tree
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0, help_heading = "Program")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
 }
 
@@ -208,16 +213,16 @@ fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     }
 }
 
-/// Prints help on standard output and mistakes on standard error. What was typed may hold anything: a message that quotes control
-/// characters is printed without colour and with all of them escaped.
+/// Prints help on standard output and mistakes on standard error. Mistakes quote what was typed, which may hold anything: when
+/// it holds what could harm a terminal, the message is printed without colour and with all of that escaped.
 fn tell(error: &clap::Error) -> Exit {
-    let plain = error.render().to_string();
-    if plain.chars().any(|it| it != '\n' && shown_text(it.encode_utf8(&mut [0; 4])).starts_with('\\')) {
-        let lines: Vec<String> = plain.lines().map(shown_text).collect();
-        console::print(&(lines.join("\n") + "\n"));
-    } else {
+    let is_harmless = |argument: OsString| argument.to_str().is_some_and(|it| shown(it) == it);
+    if std::env::args_os().all(is_harmless) {
         // A closed pipe is nobody's mistake.
         let _ = error.print();
+    } else {
+        let lines: Vec<String> = error.render().to_string().lines().map(shown_text).collect();
+        console::print(&(lines.join("\n") + "\n"));
     }
     if error.use_stderr() { Exit::Usage } else { Exit::Done }
 }
@@ -253,6 +258,10 @@ fn crop(text: &str) -> Result<Rect, String> {
 /// A whole number in digits; `u32::from_str` would take a `+`, too.
 fn whole(text: &str) -> Option<u32> {
     text.bytes().all(|it| it.is_ascii_digit()).then(|| text.parse().ok())?
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
 }
 
 fn setting(text: &str) -> Result<Setting, String> {

@@ -1,7 +1,6 @@
 //! How a run ends: its exit code, and what is said when it does not end well.
 
 use std::fmt::Display;
-use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -71,11 +70,6 @@ impl Failure {
     /// Of the file system; `deed` is `read` or `write`.
     pub fn files(deed: &str, path: &Path, reason: impl Display) -> Self {
         Self::new(Exit::Files, format!("cannot {deed} `{}`: {reason}", shown(path)))
-    }
-
-    /// Of the system's input and output.
-    pub fn io(deed: &str, path: &Path, error: &io::Error) -> Self {
-        Self::files(deed, path, error)
     }
 
     /// The run was told to end.

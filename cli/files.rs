@@ -58,9 +58,9 @@ impl Files {
 
     fn open_stdin() -> Result<Self, Failure> {
         let name = Path::new("standard input");
-        let bytes = read_limited(&mut io::stdin().lock()).map_err(|error| Failure::io("read", name, &error))?;
+        let bytes = read_limited(&mut io::stdin().lock()).map_err(|error| Failure::files("read", name, &error))?;
         let text = text_of(bytes, name)?;
-        let root = fs::canonicalize(".").map_err(|error| Failure::io("read", Path::new("."), &error))?;
+        let root = fs::canonicalize(".").map_err(|error| Failure::files("read", Path::new("."), &error))?;
         let main = Main { name: "<standard input>".to_owned(), path: None, text };
         Ok(Self { root, prefix: PathBuf::new(), main, used: RefCell::default() })
     }
@@ -69,7 +69,7 @@ impl Files {
         let canonical = fs::canonicalize(path).map_err(|error| not_found(path, &error))?;
         check_regular(&canonical, path)?;
         let read = || read_limited(&mut File::open(&canonical)?);
-        let text = text_of(read().map_err(|error| Failure::io("read", path, &error))?, path)?;
+        let text = text_of(read().map_err(|error| Failure::files("read", path, &error))?, path)?;
         let root = canonical.parent().map(Path::to_path_buf).unwrap_or_default();
         let given = path.parent().unwrap_or(Path::new(""));
         let here = if given.as_os_str().is_empty() { Path::new(".") } else { given };
@@ -146,7 +146,10 @@ impl Files {
             return Err(LoadError::Refused(format!("the program uses more than {MAX_FILES} files")));
         }
         if MAX_TOTAL_BYTES < total as u64 {
-            return Err(LoadError::Refused(format!("the program's files have more than {} MiB", MAX_TOTAL_BYTES >> 20)));
+            return Err(LoadError::Refused(format!(
+                "the program's files have more than {} MiB",
+                MAX_TOTAL_BYTES >> 20
+            )));
         }
         Ok(())
     }
@@ -199,7 +202,8 @@ fn text_of(bytes: Option<Vec<u8>>, path: &Path) -> Result<String, Failure> {
     let known = kind_of(&bytes);
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        let failure = Failure::new(Exit::Program, format!("`{name}` is not text in UTF-8: byte {at} belongs to no character"));
+        let failure =
+            Failure::new(Exit::Program, format!("`{name}` is not text in UTF-8: byte {at} belongs to no character"));
         match known {
             Some(kind) => failure.help(format!("it looks like {kind}")),
             None => failure.help("save it as UTF-8"),
@@ -237,17 +241,21 @@ fn slashed(path: &Path) -> String {
 
 /// Pipes and devices are never opened: they may have no end, or wait for a writer who never comes.
 fn check_regular(canonical: &Path, given: &Path) -> Result<(), Failure> {
-    let kind = fs::metadata(canonical).map_err(|error| Failure::io("read", given, &error))?;
+    let kind = fs::metadata(canonical).map_err(|error| Failure::files("read", given, &error))?;
     if kind.is_file() {
         return Ok(());
     }
     let what = if kind.is_dir() { "it is a folder" } else { "it is not a file" };
     let failure = Failure::files("read", given, what);
-    Err(if kind.is_dir() { failure } else { failure.help("to read a program from a pipe, give `-` and use standard input") })
+    Err(if kind.is_dir() {
+        failure
+    } else {
+        failure.help("to read a program from a pipe, give `-` and use standard input")
+    })
 }
 
 fn not_found(path: &Path, error: &io::Error) -> Failure {
-    let failure = Failure::io("read", path, error);
+    let failure = Failure::files("read", path, error);
     let with_extension = path.with_added_extension("tg");
     if error.kind() == io::ErrorKind::NotFound && with_extension.is_file() {
         return failure.help(format!("there is `{}`", shown(with_extension)));

@@ -4,7 +4,7 @@
 //! the way, there is the old file or the new one and never a part of either. Devices and pipes are written through.
 
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
-use std::io::{self, BufWriter, Cursor, ErrorKind, IsTerminal, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Cursor, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -59,14 +59,14 @@ impl Place {
     /// Why nothing can be written there.
     pub fn find(path: &Path) -> Result<Self, Failure> {
         if path == Path::new("-") {
-            return stdout();
+            return Ok(Self::Stdout);
         }
         match fs::metadata(path) {
             Ok(old) if old.is_dir() => Err(Failure::files("write", path, "it is a folder")),
             Ok(old) if old.is_file() => Destination::replace(path, &old).map(Self::File),
             Ok(_) => Ok(Self::Through(path.to_path_buf())),
             Err(error) if error.kind() == ErrorKind::NotFound => Destination::create(path).map(Self::File),
-            Err(error) => Err(Failure::io("write", path, &error)),
+            Err(error) => Err(Failure::files("write", path, &error)),
         }
     }
 
@@ -109,7 +109,11 @@ impl Place {
             }
             Self::File(destination) => {
                 let file = destination.write(progress, write).map_err(|error| {
-                    if progress.interrupted() { Failure::interrupted() } else { Failure::io("write", &destination.given, &error) }
+                    if progress.interrupted() {
+                        Failure::interrupted()
+                    } else {
+                        Failure::files("write", &destination.given, &error)
+                    }
                 })?;
                 Ok(Staged::File(destination, file))
             }
@@ -118,9 +122,9 @@ impl Place {
 
     fn fail(&self, error: &io::Error) -> Failure {
         match self {
-            Self::Stdout => Failure::io("write", Path::new("standard output"), error),
-            Self::Through(path) => Failure::io("write", path, error),
-            Self::File(destination) => Failure::io("write", &destination.given, error),
+            Self::Stdout => Failure::files("write", Path::new("standard output"), error),
+            Self::Through(path) => Failure::files("write", path, error),
+            Self::File(destination) => Failure::files("write", &destination.given, error),
         }
     }
 }
@@ -143,7 +147,8 @@ impl Staged {
                 result => result.map_err(|error| place.fail(&error)),
             },
             Self::File(destination, file) => {
-                file.persist(&destination.path).map_err(|error| Failure::io("write", &destination.given, &error.error))?;
+                file.persist(&destination.path)
+                    .map_err(|error| Failure::files("write", &destination.given, &error.error))?;
                 sync_folder(&destination.folder);
                 Ok(())
             }
@@ -154,7 +159,7 @@ impl Staged {
 impl Destination {
     /// In the place of an old file.
     fn replace(path: &Path, old: &Metadata) -> Result<Self, Failure> {
-        let fail = |error: io::Error| Failure::io("write", path, &error);
+        let fail = |error: io::Error| Failure::files("write", path, &error);
         // A file that may not be written to would be replaced all the same, since that is up to its folder: ask it.
         OpenOptions::new().write(true).open(path).map_err(fail)?;
         let target = fs::canonicalize(path).map_err(fail)?;
@@ -170,18 +175,22 @@ impl Destination {
             return Err(Failure::files("write", path, "it does not name a file"));
         };
         let folder = path.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder = fs::canonicalize(folder).map_err(|error| Failure::io("write", path, &error))?;
+        let folder = fs::canonicalize(folder).map_err(|error| Failure::files("write", path, &error))?;
         Self::new(path, folder.join(name), None)
     }
 
     fn new(given: &Path, path: PathBuf, permissions: Option<Permissions>) -> Result<Self, Failure> {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         // Better to hear now that the folder takes no files than after an hour's work.
-        tempfile::tempfile_in(&folder).map_err(|error| Failure::io("write", given, &reason(&error)))?;
+        tempfile::tempfile_in(&folder).map_err(|error| Failure::files("write", given, reason(&error)))?;
         Ok(Self { given: given.to_path_buf(), folder, path, permissions })
     }
 
-    fn write(&self, progress: &Arc<Progress>, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> io::Result<NamedTempFile> {
+    fn write(
+        &self,
+        progress: &Arc<Progress>,
+        write: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
+    ) -> io::Result<NamedTempFile> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".treegen-").suffix(".tmp");
         #[cfg(unix)]
@@ -224,14 +233,6 @@ impl Seek for Interruptible<'_> {
     }
 }
 
-fn stdout() -> Result<Place, Failure> {
-    if io::stdout().is_terminal() {
-        let failure = Failure::usage("a picture is not written to a terminal");
-        return Err(failure.help("name a file with `-o`, or lead standard output into one"));
-    }
-    Ok(Place::Stdout)
-}
-
 fn send(place: &Place, bytes: &[u8]) -> io::Result<()> {
     match place {
         Place::Stdout => {
@@ -246,7 +247,9 @@ fn send(place: &Place, bytes: &[u8]) -> io::Result<()> {
 
 /// The bare reason: tempfile adds the name of a file that nobody has asked for.
 fn reason(error: &io::Error) -> io::Error {
-    error.raw_os_error().map_or_else(|| io::Error::new(error.kind(), error.kind().to_string()), io::Error::from_raw_os_error)
+    error
+        .raw_os_error()
+        .map_or_else(|| io::Error::new(error.kind(), error.kind().to_string()), io::Error::from_raw_os_error)
 }
 
 /// A new name is on the disk when its folder is. Some file systems cannot be asked, and the file itself is there anyway.

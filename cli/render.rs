@@ -1,6 +1,6 @@
 //! `treegen FILE -o OUT`: from a program to a picture in a file.
 
-use std::io;
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -86,6 +86,10 @@ fn finish(staged: Staged, progress: &Arc<Progress>, console: Console) -> Result<
 impl Outputs {
     fn find(output: &Path, stats: Option<&Path>) -> Result<Self, Failure> {
         let picture = Place::find(output)?;
+        if matches!(picture, Place::Stdout) && io::stdout().is_terminal() {
+            let failure = Failure::usage("a picture is not written to a terminal");
+            return Err(failure.help("name a file with `-o`, or lead standard output into one"));
+        }
         let format = Format::of(output, &picture)?;
         let stats = stats.map(Place::find).transpose()?;
         if stats.as_ref().is_some_and(|it| it.overwrites(&picture)) {
@@ -98,7 +102,9 @@ impl Outputs {
     fn refuse_sources(&self, sources: &[PathBuf]) -> Result<(), Failure> {
         let places = || std::iter::once(&self.picture).chain(&self.stats);
         match sources.iter().find(|source| places().any(|it| it.is_same_as(source))) {
-            Some(source) => Err(Failure::usage(format!("`{}` is the program, and would be overwritten", shown(source)))),
+            Some(source) => {
+                Err(Failure::usage(format!("`{}` is the program, and would be overwritten", shown(source))))
+            }
             None => Ok(()),
         }
     }
@@ -146,7 +152,11 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     let pool = pool.build().map_err(|error| no_thread(&error))?;
     let traced = pool.install(|| trace(arguments, &program.scene, &limits, &options, progress));
     let traced = traced.map_err(|fault| program.failure(&fault, console))?;
-    Ok(Made { text: text(arguments, &program, &traced.picture), stats: traced.stats(compiled), picture: traced.picture })
+    Ok(Made {
+        text: text(arguments, &program, &traced.picture),
+        stats: traced.stats(compiled),
+        picture: traced.picture,
+    })
 }
 
 /// A picture, and what it took.
@@ -210,7 +220,8 @@ fn options(arguments: &Render, program: &Understood, format: Format) -> Result<R
     let size = arguments.size.unwrap_or((image.width, image.height));
     if let Some(crop) = arguments.crop.filter(|it| !contains(size, *it)) {
         let Rect { x, y, width, height } = crop;
-        let text = format!("--crop {x},{y},{width},{height} reaches beyond the picture of {} x {} pixels", size.0, size.1);
+        let text =
+            format!("--crop {x},{y},{width},{height} reaches beyond the picture of {} x {} pixels", size.0, size.1);
         return Err(Failure::new(Exit::Usage, text));
     }
     Ok(RenderOptions {
@@ -239,7 +250,8 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
     if let Some(Rect { x, y, width, height }) = arguments.crop {
         text.push(("Crop".to_owned(), format!("{x},{y},{width},{height}")));
     }
-    let mut settings: Vec<String> = arguments.program.set.iter().map(|it| format!("{}={}", it.name, it.value)).collect();
+    let mut settings: Vec<String> =
+        arguments.program.set.iter().map(|it| format!("{}={}", it.name, it.value)).collect();
     settings.sort();
     if !settings.is_empty() {
         text.push(("Set".to_owned(), settings.join("\n")));

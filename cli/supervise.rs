@@ -92,7 +92,9 @@ pub fn supervise<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) if progress.interrupted() => return Err(Failure::interrupted()),
             Err(RecvTimeoutError::Timeout) => bar.draw(progress.done()),
             // The thread ended without a result: it panicked, and said so.
-            Err(RecvTimeoutError::Disconnected) => return Err(Failure::new(Exit::Bug, "treegen has made a mistake; sorry")),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(Failure::new(Exit::Bug, "treegen has made a mistake; sorry"));
+            }
         }
     }
 }

@@ -42,7 +42,7 @@ fn arguments_and_assignments_are_two_notations_for_one_graph() {
 fn what_a_c_node_assigns_holds_below_it_and_nowhere_else() {
     let leaking_would_show = "csg S { var r = 1; start { r = .3 } move(-1,0,0) ball | move(1,0,0) ball; ball -> uscale(r) sphere; }";
     let plain = "csg S { start move(-1,0,0) uscale(.3) sphere | move(1,0,0) sphere; }";
-    let in_order = "csg S { var r = .1, k = 3; start { r = r * k; k = 100 } move(-1,0,0) uscale(r) sphere | move(1,0,0) sphere; }";
+    let in_order = "csg S { var r = .15, k = 2; start { r = r * k; k = 100 } move(-1,0,0) uscale(r) sphere | move(1,0,0) sphere; }";
     assert_same(&[leaking_would_show, plain, in_order]);
 }
 

@@ -66,12 +66,7 @@ pub(crate) const TRANSFORMS: &[Transform] = &[
     transform("rotx", TransformKind::RotX, &[one(&["a"])], "turn"),
     transform("roty", TransformKind::RotY, &[one(&["a"])], "turn"),
     transform("rotz", TransformKind::RotZ, &[one(&["a"])], "turn"),
-    transform(
-        "rotate",
-        TransformKind::Rotate,
-        &[Group { name: "axis", parts: &["x", "y", "z"] }, one(&["a"])],
-        "turn",
-    ),
+    transform("rotate", TransformKind::Rotate, &[Group { name: "axis", parts: &["x", "y", "z"] }, one(&["a"])], "turn"),
     transform("scale", TransformKind::Scale, &[POINT], "scale"),
     transform("uscale", TransformKind::UScale, &[one(&["f"])], "scale"),
     transform("mirror", TransformKind::Mirror, &[POINT], "mirror"),
@@ -81,12 +76,7 @@ pub(crate) const TRANSFORMS: &[Transform] = &[
 
 const MATRIX: [&str; 12] = ["xx", "xy", "xz", "x0", "yx", "yy", "yz", "y0", "zx", "zy", "zz", "z0"];
 
-const fn transform(
-    name: &'static str,
-    kind: TransformKind,
-    groups: &'static [Group],
-    verb: &'static str,
-) -> Transform {
+const fn transform(name: &'static str, kind: TransformKind, groups: &'static [Group], verb: &'static str) -> Transform {
     Transform { name, kind, groups, verb }
 }
 

@@ -128,7 +128,8 @@ impl<'a> Constants<'a> {
     }
 
     fn check_range(&mut self, name: &str, place: &Expr, value: Option<&Value>, range: &Range) {
-        let (Some(Value::Number(low)), Some(Value::Number(high))) = (self.value(&range.low), self.value(&range.high)) else {
+        let (Some(Value::Number(low)), Some(Value::Number(high))) = (self.value(&range.low), self.value(&range.high))
+        else {
             return;
         };
         let span = range.low.span.to(range.high.span);

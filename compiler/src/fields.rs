@@ -55,8 +55,8 @@ const fn later(name: &'static str, kind: FieldType) -> FieldRule {
 }
 
 use FieldType::{
-    Color, Colors, Density, Number, Numbers, Positive, Region, Size, Spread, Surface, Text, Texture, Truth, Vector, Whole,
-    Words,
+    Color, Colors, Density, Number, Numbers, Positive, Region, Size, Spread, Surface, Text, Texture, Truth, Vector,
+    Whole, Words,
 };
 
 const ANY: FieldType = Number(f64::NEG_INFINITY, f64::INFINITY);

@@ -1,9 +1,9 @@
 //! From text to scene: reads a program and all that it uses, checks it, and lowers it to what the runtime draws.
 //!
 //! [`compile`] is the whole way on one page. Each stage hands plain data to the next and goes on as long as that makes sense, so
-//! that one run reports every independent mistake: [`load`] makes trees, [`resolve`] gives names their meaning, [`check`] looks at
-//! types and circles, [`constant`] and [`scene`] find what is known before anything runs, and [`lower`] makes the graph. Problems are
-//! data; their words are in [`words`], and [`show()`] writes them for people.
+//! that one run reports every independent mistake: `load` makes trees, `resolve` gives names their meaning, `check` looks at
+//! types and circles, `constant` and `scene` find what is known before anything runs, and `lower` makes the graph. Problems are
+//! data; their words are in `words`, and [`show()`] writes them for people.
 
 mod builtin;
 mod check;
@@ -73,8 +73,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     let mut program = resolve::resolve(&input, &mut problems);
     let vocabulary = program.vocabulary();
     check::check(&mut program, &mut problems);
-    let given =
-        constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
+    let given = constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
     let mut constants = constant::Constants::find(&program, &vocabulary, given);
     let setting = scene::setting(&mut constants);
     let found = constants.done();

@@ -82,7 +82,12 @@ impl Problem {
     }
 
     /// A warning about a place.
-    pub(crate) fn warning(code: &'static str, message: impl Into<String>, span: Span, label: impl Into<String>) -> Self {
+    pub(crate) fn warning(
+        code: &'static str,
+        message: impl Into<String>,
+        span: Span,
+        label: impl Into<String>,
+    ) -> Self {
         Self { severity: Severity::Warning, ..Self::error(code, message, span, label) }
     }
 
@@ -99,7 +104,13 @@ impl Problem {
     }
 
     /// Adds a change that would mend it.
-    pub(crate) fn suggest(mut self, text: impl Into<String>, safety: Safety, span: Span, new: impl Into<String>) -> Self {
+    pub(crate) fn suggest(
+        mut self,
+        text: impl Into<String>,
+        safety: Safety,
+        span: Span,
+        new: impl Into<String>,
+    ) -> Self {
         let edits = vec![Edit { span, text: new.into() }];
         self.suggestions.push(Suggestion { text: text.into(), edits, safety });
         self

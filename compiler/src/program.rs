@@ -130,6 +130,8 @@ impl DefKind {
 /// A file's `let` or `param`.
 #[derive(Debug)]
 pub(crate) struct Global {
+    /// What stands in the program when a value from outside takes its place.
+    pub(crate) written: Option<Expr>,
     pub(crate) value: Expr,
     pub(crate) range: Option<Range>,
 }
@@ -215,6 +217,8 @@ pub(crate) struct Formal {
     pub(crate) name: String,
     pub(crate) slot: SlotId,
     pub(crate) default: Option<Expr>,
+    /// What stands in the program when a default from outside takes its place.
+    pub(crate) written: Option<Expr>,
     pub(crate) range: Option<Range>,
 }
 
@@ -300,14 +304,40 @@ pub(crate) enum SolidKind {
     Error,
     Nothing,
     Union(Vec<Solid>),
-    Cut { first: Box<Solid>, rest: Vec<(CutOp, Solid)> },
+    Cut {
+        first: Box<Solid>,
+        rest: Vec<(CutOp, Solid)>,
+    },
     /// Prefix operators and what they act on. At least one operator.
-    Chain { prefixes: Vec<Prefix>, body: Box<Solid> },
-    Primitive { kind: PrimitiveKind, args: Vec<Expr>, flat: bool },
-    Module { module: ModuleId, args: Vec<Expr>, place: u64 },
-    System { system: SystemId, args: Vec<(usize, Expr)>, seed: Option<Expr>, place: u64 },
-    Repeat { count: Expr, index: SlotId, body: Box<Solid> },
-    Choice { branches: Vec<(Expr, Solid)>, otherwise: Option<Box<Solid>> },
+    Chain {
+        prefixes: Vec<Prefix>,
+        body: Box<Solid>,
+    },
+    Primitive {
+        kind: PrimitiveKind,
+        args: Vec<Expr>,
+        flat: bool,
+    },
+    Module {
+        module: ModuleId,
+        args: Vec<Expr>,
+        place: u64,
+    },
+    System {
+        system: SystemId,
+        args: Vec<(usize, Expr)>,
+        seed: Option<Expr>,
+        place: u64,
+    },
+    Repeat {
+        count: Expr,
+        index: SlotId,
+        body: Box<Solid>,
+    },
+    Choice {
+        branches: Vec<(Expr, Solid)>,
+        otherwise: Option<Box<Solid>>,
+    },
     /// Something that is checked and cannot be drawn yet.
     Later(Later),
     /// The terms of a walk.
@@ -373,16 +403,36 @@ pub(crate) enum ExprKind {
     Slot(SlotId),
     /// A parameter of the function around.
     Param(u16),
-    If { branches: Vec<(Expr, Expr)>, otherwise: Box<Expr> },
-    Binary { first: Box<Expr>, rest: Vec<(BinaryOp, Span, Expr)> },
+    If {
+        branches: Vec<(Expr, Expr)>,
+        otherwise: Box<Expr>,
+    },
+    Binary {
+        first: Box<Expr>,
+        rest: Vec<(BinaryOp, Span, Expr)>,
+    },
     Power(Vec<Expr>),
-    Unary { ops: Vec<UnaryOp>, operand: Box<Expr> },
-    Postfix { base: Box<Expr>, links: Vec<Link> },
+    Unary {
+        ops: Vec<UnaryOp>,
+        operand: Box<Expr>,
+    },
+    Postfix {
+        base: Box<Expr>,
+        links: Vec<Link>,
+    },
     Vector(Vec<Expr>),
     List(Vec<Expr>),
     Builtin(Builtin, Vec<Expr>),
-    Draw { draw: Draw, args: Vec<Expr>, place: u64 },
-    Call { function: FunctionId, args: Vec<Expr>, place: u64 },
+    Draw {
+        draw: Draw,
+        args: Vec<Expr>,
+        place: u64,
+    },
+    Call {
+        function: FunctionId,
+        args: Vec<Expr>,
+        place: u64,
+    },
 }
 
 /// What follows a value.

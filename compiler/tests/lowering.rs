@@ -1,11 +1,13 @@
 //! What programs become.
 
+#![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
+
 mod common;
 
 use common::{codes, compiled, graph, scene};
+use treegen_runtime::Limits;
 use treegen_runtime::eval::{Env, Machine, Path};
 use treegen_runtime::form::{Choice, Code, Graph, Node, NodeId, Op, PrimitiveKind, Select, Slot, TransformKind, Value};
-use treegen_runtime::Limits;
 
 /// What a node is made of, as text: kinds and operands, without codes and places, and without C-nodes.
 fn shape(graph: &Graph, id: NodeId) -> String {
@@ -100,13 +102,19 @@ fn a_file_without_a_scene_shows_its_last_system() {
 
 #[test]
 fn everything_shown_is_united_in_order() {
-    assert_eq!(shown("scene { show sphere; show box | cylinder; show nothing; }"), "(sphere | (box | cylinder) | nothing)");
+    assert_eq!(
+        shown("scene { show sphere; show box | cylinder; show nothing; }"),
+        "(sphere | (box | cylinder) | nothing)"
+    );
 }
 
 #[test]
 fn cuts_of_one_level_are_one_node() {
     let kept = "(sphere & box & cone)";
-    assert_eq!(shown("scene { show sphere & box \\ cylinder & cone(1, 1) \\ torus(2); }"), format!("{kept} \\ (cylinder \\ torus)"));
+    assert_eq!(
+        shown("scene { show sphere & box \\ cylinder & cone(1, 1) \\ torus(2); }"),
+        format!("{kept} \\ (cylinder \\ torus)")
+    );
     assert_eq!(shown("scene { show sphere \\ (box | cylinder); }"), "sphere \\ (box \\ cylinder)");
     assert_eq!(shown("scene { show (sphere \\ box) \\ cylinder; }"), "sphere \\ (box \\ cylinder)");
     assert_eq!(shown("scene { show sphere \\ (box \\ cylinder); }"), "sphere \\ (box \\ (cylinder))");
@@ -134,11 +142,14 @@ fn a_vector_stands_for_its_numbers() {
             _ => {}
         }
     }
-    assert_eq!(found, [
-        (None, vec![0.0, 0.0, 1.0, 2.0]),
-        (Some(TransformKind::Rotate), vec![0.0, 0.0, 1.0, 90.0]),
-        (Some(TransformKind::Move), vec![1.0, 2.0, 3.0]),
-    ]);
+    assert_eq!(
+        found,
+        [
+            (None, vec![0.0, 0.0, 1.0, 2.0]),
+            (Some(TransformKind::Rotate), vec![0.0, 0.0, 1.0, 90.0]),
+            (Some(TransformKind::Move), vec![1.0, 2.0, 3.0]),
+        ]
+    );
 }
 
 /// The numbers that a code gives in an environment without slots.
@@ -191,7 +202,8 @@ fn a_use_may_stand_before_the_definition() {
 
 #[test]
 fn a_systems_lets_are_found_each_after_those_it_reads() {
-    let graph = graph("csg A(n = 4) { let b = f(a) + 1; fn f(x) = x * k; let a = n; let k = a + 1; start uscale(b) sphere; }");
+    let graph =
+        graph("csg A(n = 4) { let b = f(a) + 1; fn f(x) = x * k; let a = n; let k = a + 1; start uscale(b) sphere; }");
     let system = graph.systems().iter().find(|it| it.name == "A").expect("it is shown");
     let mut env = Env { slots: vec![Value::Number(4.0); system.slots.len()], path: Path::default(), turn: 0 };
     Machine::new(graph.functions(), 0, &Limits::default()).run(&system.lets, &mut env).expect("nothing in it fails");
@@ -214,7 +226,8 @@ fn a_formals_range_is_looked_at_when_the_system_is_called() {
 
 #[test]
 fn a_label_is_its_rules_number() {
-    let text = "csg A { var n = 1; start t; select t by if n > 0 then b else a; a: t -> box; b: t -> sphere | { n = 0 } t; }";
+    let text =
+        "csg A { var n = 1; start t; select t by if n > 0 then b else a; a: t -> box; b: t -> sphere | { n = 0 } t; }";
     let graph = graph(text);
     let Choice::Function(code) = &select(&graph, "t").choice else { panic!("it is selected by a function") };
     let constants: Vec<&Value> =
@@ -230,7 +243,8 @@ fn weights_make_a_draw() {
 
 #[test]
 fn a_calc_is_put_in_where_it_is_run_inside_its_place() {
-    let text = "csg A { var n = 3; calc less { let d = random(0, 1); n = n - d } start { less; less } uscale(n) sphere; }";
+    let text =
+        "csg A { var n = 3; calc less { let d = random(0, 1); n = n - d } start { less; less } uscale(n) sphere; }";
     let graph = graph(text);
     let code = graph.nodes().iter().find_map(|it| if let Node::Calc { code, .. } = it { Some(code) } else { None });
     let code = code.expect("there is a C-node");
@@ -244,7 +258,8 @@ fn a_calc_is_put_in_where_it_is_run_inside_its_place() {
     let kinds: Vec<&str> = code.ops.iter().filter_map(kind).collect();
     let once = ["enter", "draw", "store", "store", "leave"];
     assert_eq!(kinds, [once, once].concat());
-    let places: Vec<u64> = code.ops.iter().filter_map(|it| if let Op::Enter(it) = it { Some(*it) } else { None }).collect();
+    let places: Vec<u64> =
+        code.ops.iter().filter_map(|it| if let Op::Enter(it) = it { Some(*it) } else { None }).collect();
     assert_ne!(places[0], places[1], "each run draws for itself");
 }
 
@@ -312,7 +327,10 @@ fn comments_layout_and_rules_added_elsewhere_move_no_place() {
     let spaced = PLANT.replace(' ', "\n  /* here */ ");
     assert_eq!(places(&graph(&spaced), "apex"), plain);
     let grown = PLANT
-        .replace("csg Plant {", "let k = random(0, 1); csg Plant { let first = random(0, 1); other -> rotz(random(0, 1)) box;")
+        .replace(
+            "csg Plant {",
+            "let k = random(0, 1); csg Plant { let first = random(0, 1); other -> rotz(random(0, 1)) box;",
+        )
         .replace("start apex(1);", "start apex(1) | uscale(first * k) other;");
     assert_eq!(places(&graph(&grown), "apex"), plain);
 }
@@ -341,7 +359,8 @@ fn long_chains_lower_without_deep_stacks() {
     let cut = " \\ box".repeat(count);
     let chain = "uscale(2) ".repeat(count);
     let sum = "1 + ".repeat(count);
-    let text = format!("let a = {sum} 1; scene {{ show {union} uscale(a) sphere; show sphere {cut}; show {chain} sphere; }}");
+    let text =
+        format!("let a = {sum} 1; scene {{ show {union} uscale(a) sphere; show sphere {cut}; show {chain} sphere; }}");
     let worker = std::thread::Builder::new().stack_size(2 << 20).spawn(move || graph(&text).nodes().len());
     let nodes = worker.expect("a thread starts").join().expect("it ends well");
     assert!(nodes > 3 * count);
@@ -353,7 +372,8 @@ fn nesting_up_to_its_limit_needs_no_deep_stack() {
     let (open, close) = ("(".repeat(depth), ")".repeat(depth));
     let choice = "if 1 < 2 { ".repeat(depth / 2);
     let ends = " }".repeat(depth / 2);
-    let text = format!("let a = {open}1{close}; scene {{ show {open}uscale(a) sphere{close}; show {choice} sphere {ends}; }}");
+    let text =
+        format!("let a = {open}1{close}; scene {{ show {open}uscale(a) sphere{close}; show {choice} sphere {ends}; }}");
     let worker = std::thread::Builder::new().stack_size(2 << 20).spawn(move || codes(&compiled(&text)));
     assert_eq!(worker.expect("a thread starts").join().expect("it ends well"), [""; 0]);
 }

@@ -2,8 +2,6 @@
 
 mod common;
 
-use std::path::Path;
-
 use common::Folder;
 use treegen_compiler::{Loaded, Options, compile, show};
 
@@ -12,7 +10,7 @@ fn messages_say_what_is_wrong_and_where() {
     insta::glob!("../../tests/cases/errors", "*.tg", |path| {
         let text = std::fs::read_to_string(path).unwrap();
         let name = path.file_name().and_then(|it| it.to_str()).unwrap().to_owned();
-        let folder = Folder(path.parent().unwrap_or(Path::new(".")).to_owned());
+        let folder = Folder(path.parent().unwrap().to_owned());
         let compiled = compile(Loaded { name, text }, &folder, &Options::default());
         assert!(!compiled.problems.is_empty(), "this case is here for its problem");
         assert_eq!(compiled.scene.is_some(), compiled.problems.iter().all(|it| !it.is_error()));

@@ -63,8 +63,10 @@ fn wrong_settings_are_told_apart_from_wrong_programs() {
 
 #[test]
 fn a_setting_of_another_type_is_a_problem_of_the_setting() {
-    let compiled = compiled_with(PROGRAM, &[("Tree.order", "true")]);
-    assert!(compiled.problems.iter().any(treegen_compiler::Problem::is_about_settings), "{:?}", codes(&compiled));
+    for (name, value) in [("Tree.order", "true"), ("height", "(1, 2)"), ("Tree.at", "3")] {
+        let compiled = compiled_with(PROGRAM, &[(name, value)]);
+        assert_eq!(codes(&compiled), ["E0803"], "{name}={value}");
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn no_character_can_deceive() {
 fn a_label_behind_an_escaped_character_points_where_it_should() {
     let text = shown("scene { show uscale(/* \u{200b} */ true) sphere; }");
     let lines: Vec<&str> = text.lines().collect();
-    let line = lines.iter().position(|it| it.contains("scene {")).unwrap();
+    let line = lines.iter().rposition(|it| it.contains("scene {")).unwrap();
     let column = |line: &str, part: &str| line.find(part).map(|at| line[..at].chars().count());
     assert_eq!(column(lines[line], "true"), column(lines[line + 1], "^^^^"), "{text}");
 }

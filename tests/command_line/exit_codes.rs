@@ -24,7 +24,8 @@ fn a_wrong_program_gives_1_its_messages_and_no_picture() {
 
 #[test]
 fn what_fails_while_the_picture_is_made_gives_1_too() {
-    let folder = Folder::with(&[("a.tg", "csg A(n = 3) { start S(n); S(c) if c > 0 -> sphere | move(1,0,0) S(c - 2); }")]);
+    let folder =
+        Folder::with(&[("a.tg", "csg A(n = 3) { start S(n); S(c) if c > 0 -> sphere | move(1,0,0) S(c - 2); }")]);
     folder.run(&["a.tg"]).ended(1).saying(&["a.tg:1:"]);
     assert_eq!(folder.names(), ["a.tg"]);
 }

@@ -28,13 +28,13 @@ fn a_program_from_standard_input_uses_files_of_the_current_folder() {
 fn used_files_are_found_beside_the_program_wherever_it_is_called_from() {
     let folder = Folder::with(&[
         ("deep/main.tg", "use \"lib/ball.tg\"; scene { image { size: (8, 8) } show ball.Ball(); }"),
-        ("deep/lib/ball.tg", "use \"../shape.tg\"; csg Ball { start shape.Shape(); }"),
-        ("deep/shape.tg", "csg Shape { start sphere; }"),
+        ("deep/lib/ball.tg", "use \"../form.tg\"; csg Ball { start form.Shape(); }"),
+        ("deep/form.tg", "csg Shape { start sphere; }"),
     ]);
     folder.run(&["deep/main.tg"]).ended(0);
     // A mistake in a used file is shown with a path that an editor finds from here.
-    folder.write("deep/shape.tg", b"csg Shape { start sphre; }");
-    folder.run(&["deep/main.tg"]).ended(1).saying(&["deep/shape.tg:1:19"]);
+    folder.write("deep/form.tg", b"csg Shape { start sphre; }");
+    folder.run(&["deep/main.tg"]).ended(1).saying(&["deep/form.tg:1:19"]);
 }
 
 #[cfg(unix)]
@@ -53,9 +53,28 @@ fn nothing_outside_the_root_is_read_or_told() {
     folder.shell("mkfifo root/pipe.tg").ended(0);
     let long = "x".repeat(5000);
     let paths = [
-        "../outside.tg", "folder/../../outside.tg", "./.././outside.tg", "absent/../../outside.tg", "link.tg", "linked/secret.tg",
-        "linked/../../outside.tg", outside.to_str().unwrap(), "//outside.tg", "/etc/hostname", "/dev/zero", "/proc/self/environ",
-        "C:\\outside.tg", "file:///etc/hostname", "%2e%2e/outside.tg", "..%2foutside.tg", "loop.tg", "pipe.tg", "folder", "", ".", "..",
+        "../outside.tg",
+        "folder/../../outside.tg",
+        "./.././outside.tg",
+        "absent/../../outside.tg",
+        "link.tg",
+        "linked/secret.tg",
+        "linked/../../outside.tg",
+        outside.to_str().unwrap(),
+        "//outside.tg",
+        "/etc/hostname",
+        "/dev/zero",
+        "/proc/self/environ",
+        "C:\\outside.tg",
+        "file:///etc/hostname",
+        "%2e%2e/outside.tg",
+        "..%2foutside.tg",
+        "loop.tg",
+        "pipe.tg",
+        "folder",
+        "",
+        ".",
+        "..",
         long.as_str(),
     ];
     for path in paths {

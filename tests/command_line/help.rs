@@ -69,7 +69,9 @@ fn a_wrong_command_line_says_what_would_be_right() {
 #[test]
 fn what_was_typed_cannot_rewrite_the_message_about_it() {
     let folder = Folder::with(&[]);
-    let said = folder.run(&["a.tg", "--size", "\u{1b}[2J\u{202e}"]).ended(2).saying(&["\\u{1b}[2J\\u{202e}"]).said;
+    let mut command = folder.command(&["a.tg", "--size", "\u{1b}[2J\u{202e}"]);
+    let said = String::from_utf8(command.env("CLICOLOR_FORCE", "1").output().unwrap().stderr).unwrap();
+    assert!(said.contains("invalid value") && said.contains("\\u{202e}"), "{said}");
     assert!(!said.contains('\u{1b}') && !said.contains('\u{202e}'), "{said:?}");
 }
 

@@ -1,5 +1,8 @@
 //! The command line: what it takes, what it says, how it ends, and that it never harms a file.
 
+// A helper of a test fails as a test does.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 mod exit_codes;
 mod files;
 mod help;

@@ -71,6 +71,8 @@ fn the_numbers_of_a_run_are_written_as_json() {
     }
     assert!(stats["rays"]["shadow"].is_u64());
     assert!(of(&["--reference"])["states"].is_null());
+    let out = folder.run(&["a.tg", "--stats", "-", "--size", "8x8", "--samples", "1"]).ended(0).out;
+    assert_eq!(serde_json::from_slice::<serde_json::Value>(&out).unwrap()["rays"]["camera"], 64);
 }
 
 #[cfg(any(target_os = "linux", target_os = "macos"))]
@@ -88,7 +90,8 @@ fn time_and_memory_are_those_of_the_process() {
 
 #[test]
 fn the_program_is_never_overwritten() {
-    let folder = Folder::with(&[("a.png", SPHERE), ("b.tg", SPHERE), ("c.tg", "use \"ball.exr\"; scene { show ball.Ball(); }")]);
+    let folder =
+        Folder::with(&[("a.png", SPHERE), ("b.tg", SPHERE), ("c.tg", "use \"ball.exr\"; scene { show ball.Ball(); }")]);
     folder.write("ball.exr", b"csg Ball { start sphere; }");
     folder.run(&["a.png", "-o", "a.png"]).ended(2).saying(&["is the program"]);
     folder.run(&["a.png", "-o", "./a.png"]).ended(2);
@@ -159,7 +162,10 @@ fn a_disk_that_fills_up_on_the_way_leaves_the_old_picture_and_nothing_else() {
     for name in ["a.png", "a.exr"] {
         folder.write(name, OLD);
         // So many blocks of 512 bytes are all that any file may have.
-        folder.shell(&format!("ulimit -f 1; $treegen a.tg --size 200x200 -o {name}")).ended(4).saying(&["cannot write", name]);
+        folder
+            .shell(&format!("ulimit -f 1; $treegen a.tg --size 200x200 -o {name}"))
+            .ended(4)
+            .saying(&["cannot write", name]);
         assert_eq!(folder.read(name), OLD);
     }
     assert_eq!(folder.names(), ["a.exr", "a.png", "a.tg"]);

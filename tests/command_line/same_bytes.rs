@@ -77,7 +77,12 @@ fn surroundings_change_nothing() {
     let first = folder.run(&["a.tg", "-o", "-"]).ended(0).out;
     assert!(folder.run(&["other/renamed.tg", "-o", "-"]).ended(0).out == first);
     let mut command = folder.command(&["a.tg", "-o", "-"]);
-    command.env_clear().env("LANG", "tr_TR.UTF-8").env("LC_ALL", "tr_TR.UTF-8").env("TZ", "Pacific/Apia").env("RAYON_NUM_THREADS", "3");
+    command
+        .env_clear()
+        .env("LANG", "tr_TR.UTF-8")
+        .env("LC_ALL", "tr_TR.UTF-8")
+        .env("TZ", "Pacific/Apia")
+        .env("RAYON_NUM_THREADS", "3");
     assert!(command.output().unwrap().stdout == first);
 }
 

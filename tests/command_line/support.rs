@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// A program of a few triangles' worth of work, with something in it that can be set.
-pub const FRACTAL: &str = "\
+pub(crate) const FRACTAL: &str = "\
 param size = 1 in .1..2;
 csg Fractal(order = 3 in 0..20) {
   start S(order);
@@ -18,23 +18,23 @@ scene { image { size: (40, 30) } show Fractal(); }
 ";
 
 /// One solid in few pixels.
-pub const SPHERE: &str = "scene { image { size: (24, 16) } show sphere; }\n";
+pub(crate) const SPHERE: &str = "scene { image { size: (24, 16) } show sphere; }\n";
 
 /// A folder of its own for each test, that is gone afterwards.
-pub struct Folder {
+pub(crate) struct Folder {
     folder: tempfile::TempDir,
 }
 
 /// What became of a run.
-pub struct Ran {
-    pub code: Option<i32>,
-    pub out: Vec<u8>,
-    pub said: String,
+pub(crate) struct Ran {
+    pub(crate) code: Option<i32>,
+    pub(crate) out: Vec<u8>,
+    pub(crate) said: String,
 }
 
 impl Folder {
     /// A folder with these files in it.
-    pub fn with(files: &[(&str, &str)]) -> Self {
+    pub(crate) fn with(files: &[(&str, &str)]) -> Self {
         let folder = tempfile::Builder::new().prefix("treegen-test-").tempdir().unwrap();
         let folder = Self { folder };
         for (name, text) in files {
@@ -45,24 +45,24 @@ impl Folder {
         folder
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    pub fn read(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    pub fn write(&self, name: &str, bytes: &[u8]) {
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    pub fn exists(&self, name: &str) -> bool {
+    pub(crate) fn exists(&self, name: &str) -> bool {
         fs::symlink_metadata(self.path(name)).is_ok()
     }
 
     /// The names of all that lies in it, in order.
-    pub fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).unwrap();
         let mut names: Vec<String> = entries.map(|it| it.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
@@ -70,19 +70,19 @@ impl Folder {
     }
 
     /// The program, about to run here.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = treegen(self.folder.path());
         command.args(arguments);
         command
     }
 
     /// Runs the program here.
-    pub fn run(&self, arguments: &[&str]) -> Ran {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Ran {
         ran(&self.command(arguments).stdin(Stdio::null()).output().unwrap())
     }
 
     /// Runs the program here and gives it something to read.
-    pub fn run_with_input(&self, arguments: &[&str], input: &[u8]) -> Ran {
+    pub(crate) fn run_with_input(&self, arguments: &[&str], input: &[u8]) -> Ran {
         let mut command = self.command(arguments);
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         // It may end before it has read all.
@@ -92,7 +92,7 @@ impl Folder {
 
     /// Runs a line of shell here, in which `$treegen` is the program.
     #[cfg(unix)]
-    pub fn shell(&self, line: &str) -> Ran {
+    pub(crate) fn shell(&self, line: &str) -> Ran {
         let mut command = Command::new("sh");
         command.arg("-c").arg(line).current_dir(self.folder.path()).env("treegen", env!("CARGO_BIN_EXE_treegen"));
         ran(&command.stdin(Stdio::null()).output().unwrap())
@@ -102,14 +102,14 @@ impl Folder {
 impl Ran {
     /// Fails unless it ended so.
     #[track_caller]
-    pub fn ended(self, code: i32) -> Self {
+    pub(crate) fn ended(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{}", self.said);
         self
     }
 
     /// Fails unless it said all of this.
     #[track_caller]
-    pub fn saying(self, parts: &[&str]) -> Self {
+    pub(crate) fn saying(self, parts: &[&str]) -> Self {
         for part in parts {
             assert!(self.said.contains(part), "{part:?} is not in:\n{}", self.said);
         }
@@ -118,13 +118,13 @@ impl Ran {
 }
 
 /// A picture as 8-bit RGBA, row by row, with its size.
-pub fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
+pub(crate) fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
     let picture = image::load_from_memory_with_format(png, image::ImageFormat::Png).unwrap().to_rgba8();
     (picture.width(), picture.height(), picture.into_raw())
 }
 
 /// The texts in a PNG.
-pub fn texts(png: &[u8]) -> Vec<(String, String)> {
+pub(crate) fn texts(png: &[u8]) -> Vec<(String, String)> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut bytes).unwrap();

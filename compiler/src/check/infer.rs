@@ -415,16 +415,12 @@ impl<'a> Infer<'a> {
 fn binary(op: BinaryOp, left: &Type, right: &Type) -> Option<Type> {
     use Type::{Number, Truth, Unknown, Vector};
     match op {
-        BinaryOp::And | BinaryOp::Or => {
-            (left.join(&Truth).is_some() && right.join(&Truth).is_some()).then_some(Truth)
-        }
+        BinaryOp::And | BinaryOp::Or => (left.join(&Truth).is_some() && right.join(&Truth).is_some()).then_some(Truth),
         BinaryOp::Equal | BinaryOp::NotEqual => left.join(right).map(|_| Truth),
         BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual => {
             (left.join(&Number).is_some() && right.join(&Number).is_some()).then_some(Truth)
         }
-        BinaryOp::Add | BinaryOp::Subtract => {
-            left.join(right).filter(|it| matches!(it, Number | Vector(_) | Unknown))
-        }
+        BinaryOp::Add | BinaryOp::Subtract => left.join(right).filter(|it| matches!(it, Number | Vector(_) | Unknown)),
         BinaryOp::Multiply => match (left, right) {
             (Number, Number) => Some(Number),
             (Vector(parts), Number | Unknown) | (Number | Unknown, Vector(parts)) => Some(Vector(*parts)),

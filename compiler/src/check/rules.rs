@@ -39,7 +39,11 @@ fn unreachable(module: &Module, problems: &mut Vec<Problem>) {
         return;
     }
     // Among weighted rules each may be drawn; in a walk the smallest priority comes first.
-    if module.rules.iter().any(|it| it.weight.is_some() || it.priority != module.rules.first().and_then(|it| it.priority)) {
+    if module
+        .rules
+        .iter()
+        .any(|it| it.weight.is_some() || it.priority != module.rules.first().and_then(|it| it.priority))
+    {
         return;
     }
     let always = module.rules.iter().position(|it| it.guard.is_none());

@@ -4,8 +4,8 @@ use crate::builtin::{self, Group, WalkWord};
 use crate::graph;
 use crate::problem::Problem;
 use crate::program::{
-    DefId, DefKind, Expr, FieldValue, FunctionId, Init, Later, ModuleId, Prefix, PrefixKind, Program, Range, Record, Solid,
-    SolidKind, Step, Stride, SystemId,
+    DefId, DefKind, Expr, FieldValue, FunctionId, Init, Later, ModuleId, Prefix, PrefixKind, Program, Range, Record,
+    Solid, SolidKind, Step, Stride, SystemId,
 };
 
 use super::infer::{Infer, Site};
@@ -47,6 +47,10 @@ impl Infer<'_> {
                 self.def = *def;
                 let global = &program.globals[id.index()];
                 let kind = self.expr(FILE, &global.value);
+                let kind = match &global.written {
+                    Some(written) => self.replaced(written, &kind, &global.value, &program.def(*def).name),
+                    None => kind,
+                };
                 self.range(global.range.as_ref());
                 if self.globals[id.index()] != kind {
                     self.globals[id.index()] = kind;
@@ -74,6 +78,16 @@ impl Infer<'_> {
         }
     }
 
+    /// The type of what a value from outside replaces; the value must be of it too.
+    fn replaced(&mut self, written: &Expr, kind: &Type, value: &Expr, name: &str) -> Type {
+        let needed = self.expr(FILE, written);
+        if needed.join(kind).is_none() {
+            let (is, was) = (self.name(kind), self.name(&needed));
+            self.report(crate::words::types::differs(name, &is, value.span, &was, written.span));
+        }
+        needed
+    }
+
     fn range(&mut self, range: Option<&Range>) {
         if let Some(range) = range {
             self.expect(FILE, &range.low, &Type::Number, "the end of a range");
@@ -96,6 +110,10 @@ impl Infer<'_> {
         let system = &program.systems[id.index()];
         for formal in &system.formals {
             self.def = formal.def;
+            if let Some(written) = &formal.written {
+                let kind = self.expr(FILE, written);
+                self.flow(id, formal.slot, &kind, written.span);
+            }
             if let Some(default) = &formal.default {
                 let kind = self.expr(FILE, default);
                 self.flow(id, formal.slot, &kind, default.span);

@@ -28,7 +28,9 @@ impl Lowering<'_> {
                 let (select, args) = (self.select_id(*module), self.values_of(args));
                 Node::Call(form::Call { select, args, place: *place, origin: origin(span) })
             }
-            SolidKind::System { system, args, seed, place } => self.system_call(*system, args, seed.as_ref(), *place, span),
+            SolidKind::System { system, args, seed, place } => {
+                self.system_call(*system, args, seed.as_ref(), *place, span)
+            }
             SolidKind::Repeat { count, index, body } => {
                 let body = self.solid(system, body);
                 Node::Repeat { count: self.value_of(count), index: Slot(*index as u16), body, origin: origin(span) }
@@ -132,7 +134,14 @@ impl Lowering<'_> {
         let given = args.iter().filter_map(|it| Some(Slot(formals.get(it.0)?.slot as u16))).collect();
         let args = self.code(|coder| args.iter().map(|it| coder.expr(&it.1)).collect());
         let seed = seed.map(|it| self.value_of(it));
-        Node::System(form::SystemCall { system: self.system_id(system), args, given, seed, place, origin: origin(span) })
+        Node::System(form::SystemCall {
+            system: self.system_id(system),
+            args,
+            given,
+            seed,
+            place,
+            origin: origin(span),
+        })
     }
 
     /// Writes a code with the results that `write` gives.

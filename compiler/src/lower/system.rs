@@ -39,7 +39,8 @@ impl Lowering<'_> {
         let default = formal.default.as_ref().map(|it| self.value_of(it));
         let check = formal.range.as_ref().map(|range| {
             self.code(|coder| {
-                let (value, low, high) = (coder.load(formal.slot, span), coder.expr(&range.low), coder.expr(&range.high));
+                let (value, low, high) =
+                    (coder.load(formal.slot, span), coder.expr(&range.low), coder.expr(&range.high));
                 coder.op(Op::Check { value, low, high, name: Arc::from(formal.name.as_str()) }, span);
                 Vec::new()
             })
@@ -62,13 +63,17 @@ impl Lowering<'_> {
     pub(super) fn select(&mut self, id: ModuleId) -> form::Select {
         let program = self.program;
         let module = &program.modules[id.index()];
-        let rules: Vec<form::Rule> = module.rules.iter().map(|rule| form::Rule {
-            label: rule.label.clone(),
-            guard: rule.guard.as_ref().map(|it| self.value_of(it)),
-            weight: rule.weight.as_ref().map(|it| self.value_of(it)),
-            body: self.solid(module.system, &rule.body),
-            origin: origin(rule.span),
-        }).collect();
+        let rules: Vec<form::Rule> = module
+            .rules
+            .iter()
+            .map(|rule| form::Rule {
+                label: rule.label.clone(),
+                guard: rule.guard.as_ref().map(|it| self.value_of(it)),
+                weight: rule.weight.as_ref().map(|it| self.value_of(it)),
+                body: self.solid(module.system, &rule.body),
+                origin: origin(rule.span),
+            })
+            .collect();
         let choice = match &module.select {
             Some(by) => Choice::Function(self.value_of(by)),
             None if module.rules.iter().any(|it| it.weight.is_some()) => Choice::Weighted(module.weights_place),

@@ -26,7 +26,12 @@ pub(super) struct Callee<'a> {
 
 impl Resolver<'_> {
     /// Gives each parameter its argument. `None` when a problem was reported, by the values too.
-    pub(super) fn arguments(&mut self, scope: &mut Scope, callee: Callee<'_>, args: &[ast::Arg]) -> Option<Vec<Option<Expr>>> {
+    pub(super) fn arguments(
+        &mut self,
+        scope: &mut Scope,
+        callee: Callee<'_>,
+        args: &[ast::Arg],
+    ) -> Option<Vec<Option<Expr>>> {
         let values = args.iter().map(|it| self.expr(scope, &it.value)).collect();
         self.match_arguments(scope, callee, args, values)
     }

@@ -9,8 +9,8 @@ use treegen_grammar::{FileId, Span};
 use super::Resolver;
 use super::names::{Meaning, Named, Names};
 use crate::program::{
-    CalcDef, CalcId, DefId, DefKind, Enum, EnumId, Expr, ExprKind, Formal, Function, FunctionId, Global, GlobalId, Init,
-    MaterialId, Module, ModuleId, Record, System, SystemId,
+    CalcDef, CalcId, DefId, DefKind, Enum, EnumId, Expr, ExprKind, Formal, Function, FunctionId, Global, GlobalId,
+    Init, MaterialId, Module, ModuleId, Record, System, SystemId,
 };
 use crate::words;
 
@@ -67,9 +67,7 @@ impl Resolver<'_> {
                 (&it.name, DefKind::Function(id), Meaning::Function(id))
             }
             ItemKind::Enum { name, .. } => (name, DefKind::Enum, Meaning::Enum(EnumId(program.enums.len() as u32))),
-            ItemKind::Texture { name, .. } => {
-                (name, DefKind::Texture(program.textures.len() as u32), Meaning::Texture)
-            }
+            ItemKind::Texture { name, .. } => (name, DefKind::Texture(program.textures.len() as u32), Meaning::Texture),
             ItemKind::Material { name, .. } => {
                 let id = MaterialId(program.materials.len() as u32);
                 (name, DefKind::Material(id), Meaning::Material(id))
@@ -89,7 +87,7 @@ impl Resolver<'_> {
         let record = || Record { def, name: name.text.clone(), span: name.span, fields: Vec::new() };
         match item {
             ItemKind::Param(_) | ItemKind::Let(_) => {
-                self.program.globals.push(Global { value: hole(name.span), range: None });
+                self.program.globals.push(Global { written: None, value: hole(name.span), range: None });
             }
             ItemKind::Fn(it) => self.make_function(def, None, it),
             ItemKind::Enum { cases, .. } => {
@@ -159,7 +157,7 @@ impl Resolver<'_> {
                 if formal.default.is_some() || self.overridden(file, Some(&system.name.text), &name).is_some() {
                     self.has_default.insert(def);
                 }
-                let formal = Formal { def, name, slot, default: None, range: None };
+                let formal = Formal { def, name, slot, default: None, written: None, range: None };
                 self.program.systems[id.index()].formals.push(formal);
             }
         }
@@ -237,7 +235,8 @@ impl Resolver<'_> {
             Some(Meaning::Module(module)) => module,
             _ => {
                 let id = ModuleId(self.program.modules.len() as u32);
-                let Some(def) = self.declare_in_system(file, system, &rule.module, DefKind::Module(id), Meaning::Module(id))
+                let Some(def) =
+                    self.declare_in_system(file, system, &rule.module, DefKind::Module(id), Meaning::Module(id))
                 else {
                     return;
                 };
@@ -259,7 +258,16 @@ impl Resolver<'_> {
         let place = treegen_runtime::eval::Place::system(&self.program.systems[system.index()].name);
         let weights_place = place.definition("select", &name).draw(0);
         let rules = Vec::new();
-        self.program.modules.push(Module { def, name, system, params, rules, select: None, weights_place, proxy: None });
+        self.program.modules.push(Module {
+            def,
+            name,
+            system,
+            params,
+            rules,
+            select: None,
+            weights_place,
+            proxy: None,
+        });
         self.labels.push(Vec::new());
     }
 

@@ -145,7 +145,8 @@ impl Resolver<'_> {
                     Some(number) => (ExprKind::Case(id, number as u32), rest),
                     None => {
                         let near = nearest(&case.text, known.cases.iter().map(String::as_str)).map(str::to_owned);
-                        let problem = words::types::unknown_case(name, &case.text, case.span, &known.cases, near.as_deref());
+                        let problem =
+                            words::types::unknown_case(name, &case.text, case.span, &known.cases, near.as_deref());
                         self.report(scope, problem);
                         return self.skip(scope, rest);
                     }
@@ -170,7 +171,9 @@ impl Resolver<'_> {
             (None, [Tail::Call(args, place), rest @ ..]) => {
                 (self.builtin_call(scope, name, args, head, head.to(*place)), rest)
             }
-            (None, [Tail::Part(_), rest @ ..]) if self.is_unknown_file(scope, name, head) => return self.skip(scope, rest),
+            (None, [Tail::Part(_), rest @ ..]) if self.is_unknown_file(scope, name, head) => {
+                return self.skip(scope, rest);
+            }
             (None, links) => (self.builtin_value(scope, name, head), links),
         };
         if rest.is_empty() {
@@ -181,16 +184,30 @@ impl Resolver<'_> {
 
     /// Whether an unknown name with a dot after it looks like a file's; then a problem is reported.
     fn is_unknown_file(&mut self, scope: &Scope, name: &str, span: Span) -> bool {
-        if builtin::CONSTANTS.contains(&name) || builtin::describe(name).is_some() || self.may_be_unreadable(scope, name) {
+        if builtin::CONSTANTS.contains(&name)
+            || builtin::describe(name).is_some()
+            || self.may_be_unreadable(scope, name)
+        {
             return false;
         }
-        let fits = |it| matches!(it, Meaning::File(_) | Meaning::Enum(_) | Meaning::Slot(_) | Meaning::Param(_) | Meaning::Global(_));
+        let fits = |it| {
+            matches!(
+                it,
+                Meaning::File(_) | Meaning::Enum(_) | Meaning::Slot(_) | Meaning::Param(_) | Meaning::Global(_)
+            )
+        };
         self.unknown(scope, name, span, "value, enum or used file", &fits, &[]);
         true
     }
 
     /// An item of a used file.
-    pub(super) fn item_of(&mut self, scope: &Scope, file: treegen_grammar::FileId, qualifier: &str, item: &ast::Name) -> Option<Named> {
+    pub(super) fn item_of(
+        &mut self,
+        scope: &Scope,
+        file: treegen_grammar::FileId,
+        qualifier: &str,
+        item: &ast::Name,
+    ) -> Option<Named> {
         let names = &self.files[file.0 as usize];
         match names.get(&item.text) {
             Some(Named { meaning: Meaning::File(_), .. }) => {
@@ -298,7 +315,14 @@ impl Resolver<'_> {
     }
 
     /// Looks whether a built-in function has as many arguments as it takes, and no names.
-    fn check_count(&mut self, scope: &Scope, name: &str, args: &[ast::Arg], (least, most): (usize, usize), span: Span) -> bool {
+    fn check_count(
+        &mut self,
+        scope: &Scope,
+        name: &str,
+        args: &[ast::Arg],
+        (least, most): (usize, usize),
+        span: Span,
+    ) -> bool {
         if args.iter().any(|it| it.value.kind == ast::ExprKind::Error) {
             self.break_def(scope.def);
             return false;
@@ -319,10 +343,8 @@ impl Resolver<'_> {
     pub(super) fn selection(&mut self, scope: &mut Scope, expr: &ast::Expr, module: ModuleId) -> Expr {
         let kind = match &expr.kind {
             ast::ExprKind::If { branches, otherwise } => {
-                let branches = branches
-                    .iter()
-                    .map(|it| (self.expr(scope, &it.0), self.selection(scope, &it.1, module)))
-                    .collect();
+                let branches =
+                    branches.iter().map(|it| (self.expr(scope, &it.0), self.selection(scope, &it.1, module))).collect();
                 ExprKind::If { branches, otherwise: Box::new(self.selection(scope, otherwise, module)) }
             }
             ast::ExprKind::Name(name) => {

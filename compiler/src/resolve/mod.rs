@@ -5,9 +5,12 @@
 //! an `Error` of the program, so one mistake makes one message.
 
 mod arguments;
+mod calc;
+mod call;
 mod chain;
 mod declare;
 mod expr;
+mod named;
 mod names;
 mod records;
 mod scope;

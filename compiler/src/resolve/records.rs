@@ -22,7 +22,10 @@ impl Resolver<'_> {
         let mut scope = Scope::file(file).within(def, Place::file().definition("texture", &name.text));
         let kind = record.fields.iter().find(|it| it.name.text == "kind");
         let Some(kind) = kind else {
-            self.report(&scope, words::records::missing_field(&format!("the texture `{}`", name.text), "kind", name.span));
+            self.report(
+                &scope,
+                words::records::missing_field(&format!("the texture `{}`", name.text), "kind", name.span),
+            );
             return;
         };
         let word = match &kind.value.kind {
@@ -38,7 +41,13 @@ impl Resolver<'_> {
     }
 
     /// `material Bark { ... }`
-    pub(super) fn resolve_material(&mut self, file: FileId, def: Option<DefId>, name: &ast::Name, record: &ast::Record) {
+    pub(super) fn resolve_material(
+        &mut self,
+        file: FileId,
+        def: Option<DefId>,
+        name: &ast::Name,
+        record: &ast::Record,
+    ) {
         let Some(def) = def else { return };
         let DefKind::Material(id) = self.program.def(def).kind else { return };
         let mut scope = Scope::file(file).within(def, Place::file().definition("material", &name.text));
@@ -120,7 +129,10 @@ impl Resolver<'_> {
             let Some(rule) = rules.iter().find(|it| it.name == field.name.text) else {
                 let known: Vec<&str> = rules.iter().map(|it| it.name).collect();
                 let near = nearest(&field.name.text, known.iter().copied());
-                self.report(scope, words::records::unknown_field(owner, &field.name.text, field.name.span, &known, near));
+                self.report(
+                    scope,
+                    words::records::unknown_field(owner, &field.name.text, field.name.span, &known, near),
+                );
                 continue;
             };
             if let Some(first) = seen.insert(rule.name, field.name.span) {
@@ -139,7 +151,9 @@ impl Resolver<'_> {
                 self.word(scope, rule.name, value, known).map_or(FieldValue::Error, FieldValue::Word)
             }
             FieldType::Texture => self.texture(scope, rule.name, value),
-            FieldType::Surface => self.surface(scope, rule.name, value).map_or(FieldValue::Error, |_| FieldValue::Surface),
+            FieldType::Surface => {
+                self.surface(scope, rule.name, value).map_or(FieldValue::Error, |_| FieldValue::Surface)
+            }
             _ => FieldValue::Expr(self.expr(scope, value)),
         }
     }

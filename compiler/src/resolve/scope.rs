@@ -13,6 +13,9 @@ use crate::program::{DefId, DefKind, ModuleId, SystemId};
 use crate::similar::nearest;
 use crate::words;
 
+/// For how many unknown names a similar one is looked for: more than are ever shown.
+const MAX_SUGGESTIONS: usize = 200;
+
 /// How much of its system an expression sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sees {
@@ -140,8 +143,15 @@ impl<'o> Resolver<'o> {
         let (kind, defined) = (def.kind, def.span);
         let own = matches!(
             kind,
-            DefKind::Formal | DefKind::Let | DefKind::Var | DefKind::Module(_) | DefKind::Calc(_) | DefKind::Function(_)
-        ) && scope.system.is_some_and(|it| self.systems[it.index()].get(name).is_some_and(|it| it.def == named.def));
+            DefKind::Formal
+                | DefKind::Let
+                | DefKind::Var
+                | DefKind::Module(_)
+                | DefKind::Calc(_)
+                | DefKind::Function(_)
+        ) && scope
+            .system
+            .is_some_and(|it| self.systems[it.index()].get(name).is_some_and(|it| it.def == named.def));
         if scope.sees == Sees::File && own {
             self.report(scope, words::names::default_too_narrow(name, span, kind.word(), defined));
             return Err(());
@@ -163,19 +173,36 @@ impl<'o> Resolver<'o> {
     }
 
     /// Says that a name is unknown, once, unless it may stand in text that could not be read.
-    pub(super) fn unknown(&mut self, scope: &Scope, name: &str, span: Span, what: &str, fits: &dyn Fn(Meaning) -> bool, more: &[&'static str]) {
+    pub(super) fn unknown(
+        &mut self,
+        scope: &Scope,
+        name: &str,
+        span: Span,
+        what: &str,
+        fits: &dyn Fn(Meaning) -> bool,
+        more: &[&'static str],
+    ) {
         self.break_def(scope.def);
         if self.may_be_unreadable(scope, name) || !self.unknown.insert((scope.file, scope.system, name.to_owned())) {
             return;
         }
-        let near = {
-            let locals = scope.stack.iter().filter_map(|it| Some((it.0.as_str(), *scope.locals.get(&it.0)?)));
-            let of_system = scope.system.and_then(|it| self.systems.get(it.index())).into_iter().flat_map(|it| it.iter());
-            let of_file = self.files.get(scope.file.0 as usize).into_iter().flat_map(|it| it.iter());
-            let own = locals.chain(of_system).chain(of_file).filter(|it| fits(it.1.meaning)).map(|it| it.0);
-            nearest(name, own.chain(more.iter().copied())).map(str::to_owned)
-        };
+        let near = if self.unknown.len() <= MAX_SUGGESTIONS { self.similar(scope, name, fits, more) } else { None };
         self.problems.push(words::names::unknown(name, span, what, near.as_deref()));
+    }
+
+    /// The name that was probably meant by an unknown one.
+    fn similar(
+        &self,
+        scope: &Scope,
+        name: &str,
+        fits: &dyn Fn(Meaning) -> bool,
+        more: &[&'static str],
+    ) -> Option<String> {
+        let locals = scope.stack.iter().filter_map(|it| Some((it.0.as_str(), *scope.locals.get(&it.0)?)));
+        let of_system = scope.system.and_then(|it| self.systems.get(it.index())).into_iter().flat_map(|it| it.iter());
+        let of_file = self.files.get(scope.file.0 as usize).into_iter().flat_map(|it| it.iter());
+        let own = locals.chain(of_system).chain(of_file).filter(|it| fits(it.1.meaning)).map(|it| it.0);
+        nearest(name, more.iter().copied().chain(own)).map(str::to_owned)
     }
 
     /// Whether a name may be defined in text that could not be read.

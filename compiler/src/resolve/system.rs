@@ -14,6 +14,14 @@ use crate::settings::Override;
 use crate::similar::nearest;
 use crate::words;
 
+/// The default of a `param` or formal.
+struct DefaultValue {
+    value: Option<Expr>,
+    /// What stands in the program if the value is from outside.
+    written: Option<Expr>,
+    range: Option<Range>,
+}
+
 /// What may stand once only in a system, and where it stood.
 #[derive(Default)]
 struct Once {
@@ -30,11 +38,11 @@ impl<'o> Resolver<'o> {
         let Some(def) = def else { return };
         let DefKind::Param(id) = self.program.def(def).kind else { return };
         let mut scope = Scope::file(file).within(def, Place::file().definition("param", &formal.name.text));
-        let (default, range) = self.default(&mut scope, file, None, formal);
+        let DefaultValue { value, written, range } = self.default(&mut scope, file, None, formal);
         let global = &mut self.program.globals[id.index()];
-        global.range = range;
-        if let Some(default) = default {
-            global.value = default;
+        (global.written, global.range) = (written, range);
+        if let Some(value) = value {
+            global.value = value;
         }
     }
 
@@ -47,21 +55,15 @@ impl<'o> Resolver<'o> {
     }
 
     /// The default and range of a `param` or formal. A default from outside takes the place of the one written.
-    fn default(
-        &mut self,
-        scope: &mut Scope,
-        file: FileId,
-        system: Option<&str>,
-        formal: &ast::Formal,
-    ) -> (Option<Expr>, Option<Range>) {
+    fn default(&mut self, scope: &mut Scope, file: FileId, system: Option<&str>, formal: &ast::Formal) -> DefaultValue {
         let written = formal.default.as_ref().map(|it| self.expr(scope, it));
-        let given = self.overridden(file, system, &formal.name.text);
-        let default = given.map(|it| self.expr(scope, it)).or(written);
-        let range = formal
-            .range
-            .as_ref()
-            .map(|it| Range { low: self.expr(scope, &it.low), high: self.expr(scope, &it.high) });
-        (default, range)
+        let given = self.overridden(file, system, &formal.name.text).map(|it| self.expr(scope, it));
+        let range =
+            formal.range.as_ref().map(|it| Range { low: self.expr(scope, &it.low), high: self.expr(scope, &it.high) });
+        match given {
+            Some(given) => DefaultValue { value: Some(given), written, range },
+            None => DefaultValue { value: written, written: None, range },
+        }
     }
 
     /// The value from outside for a `param` or formal.
@@ -101,13 +103,15 @@ impl<'o> Resolver<'o> {
             if let Some(def) = names.get(&formal.name.span) {
                 let mut scope = self.system_scope(file, id, *def, "formal", &formal.name.text);
                 scope.sees = Sees::File;
-                let (default, range) = self.default(&mut scope, file, Some(&system.name.text), formal);
+                let DefaultValue { value, written, range } =
+                    self.default(&mut scope, file, Some(&system.name.text), formal);
                 let entry = &mut self.program.systems[id.index()].formals[formals];
-                (entry.default, entry.range) = (default, range);
+                (entry.default, entry.written, entry.range) = (value, written, range);
                 formals += 1;
             }
         }
-        let mut body = Body { file, system: id, kind: system.kind, def, names, once: Once::default(), lets: 0, vars: 0 };
+        let mut body =
+            Body { file, system: id, kind: system.kind, def, names, once: Once::default(), lets: 0, vars: 0 };
         for member in &system.members {
             self.member(&mut body, member, None);
         }
@@ -295,7 +299,8 @@ impl<'o> Resolver<'o> {
     }
 
     fn rule_member(&mut self, body: &mut Body, rule: &ast::Rule, priority: Option<i64>) {
-        let Some(Meaning::Module(id)) = self.systems[body.system.index()].get(&rule.module.text).map(|it| it.meaning) else {
+        let Some(Meaning::Module(id)) = self.systems[body.system.index()].get(&rule.module.text).map(|it| it.meaning)
+        else {
             return;
         };
         if rule.arrow == Arrow::Append && body.kind != SystemKind::Shape {
@@ -339,7 +344,9 @@ impl<'o> Resolver<'o> {
         let module = &self.program.modules[id.index()];
         let mut problems = Vec::new();
         let weighted = module.rules.iter().find(|it| it.weight.is_some());
-        if let (Some(with), None, Some(without)) = (weighted, &module.select, module.rules.iter().find(|it| it.weight.is_none())) {
+        if let (Some(with), None, Some(without)) =
+            (weighted, &module.select, module.rules.iter().find(|it| it.weight.is_none()))
+        {
             problems.push(words::systems::some_weights(&module.name, without.span, with.span));
         }
         if let (Some(_), Some(span)) = (&module.select, body.once.selects.get(&id)) {

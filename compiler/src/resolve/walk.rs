@@ -65,13 +65,22 @@ impl Resolver<'_> {
         let inner = self.solid(scope, inner);
         scope.forget(mark);
         if !is_walk {
-            self.report(scope, words::systems::walks_only("square brackets", span).note("a `(` and a `)` group solids"));
+            self.report(
+                scope,
+                words::systems::walks_only("square brackets", span).note("a `(` and a `)` group solids"),
+            );
         }
         Role::Stride(Stride::Bracket(inner))
     }
 
     /// `segment(...)` and the like.
-    pub(super) fn walk_word(&mut self, scope: &mut Scope, name: &ast::Name, args: Option<&[ast::Arg]>, span: Span) -> Role {
+    pub(super) fn walk_word(
+        &mut self,
+        scope: &mut Scope,
+        name: &ast::Name,
+        args: Option<&[ast::Arg]>,
+        span: Span,
+    ) -> Role {
         let error = Role::Stride(Stride::Solid(Solid { span, kind: SolidKind::Error }));
         let Some((word, kind, params)) = builtin::WALK_WORDS.iter().find(|it| it.0 == name.text) else { return error };
         let required = vec![true; params.len()];

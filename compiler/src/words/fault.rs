@@ -67,11 +67,9 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
                 _ => format!("it has {}, from 0 to {}", super::count(*length, "value"), length - 1),
             },
         ),
-        FaultKind::NotANumber { operation, operands } => (
-            "E1005",
-            not_a_number(operation, operands, vocabulary),
-            "this has no value".to_owned(),
-        ),
+        FaultKind::NotANumber { operation, operands } => {
+            ("E1005", not_a_number(operation, operands, vocabulary), "this has no value".to_owned())
+        }
         FaultKind::Type { operation, operands } => {
             ("E1006", format!("`{operation}` does not take {}", list(operands)), "wrong kind of value".to_owned())
         }
@@ -85,11 +83,9 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             format!("`{what}` needs a whole number, {} or more, not {}", number(*least), number(*value)),
             format!("this is {}", number(*value)),
         ),
-        FaultKind::Singular { kind, values } => (
-            "E1009",
-            format!("`{}({})` flattens everything", kind.name(), numbers(values)),
-            singular(*kind, values),
-        ),
+        FaultKind::Singular { kind, values } => {
+            ("E1009", format!("`{}({})` flattens everything", kind.name(), numbers(values)), singular(*kind, values))
+        }
         FaultKind::Primitive { kind, values } => (
             "E1010",
             format!("`{}({})` is no solid", kind.name(), numbers(values)),
@@ -195,6 +191,7 @@ fn trail(fault: &Fault, vocabulary: &Vocabulary) -> Option<String> {
 
 /// `c = 3, f = 0.5`
 fn named(values: &[(String, Value)], vocabulary: &Vocabulary) -> String {
-    let shown: Vec<String> = values.iter().take(12).map(|it| format!("{} = {}", it.0, value(&it.1, vocabulary))).collect();
+    let shown: Vec<String> =
+        values.iter().take(12).map(|it| format!("{} = {}", it.0, value(&it.1, vocabulary))).collect();
     shown.join(", ")
 }

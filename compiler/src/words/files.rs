@@ -16,8 +16,12 @@ pub(crate) fn not_loaded(path: &str, span: Span, why: &LoadError) -> Problem {
         LoadError::NotText { at } => {
             Problem::error("E0203", format!("`{path}` is not a text"), span, format!("byte {at} is not UTF-8"))
         }
-        LoadError::TooLarge => Problem::error("E0901", format!("`{path}` is too large"), span, "a file has 4 MiB at most"),
-        LoadError::Refused(reason) => Problem::error("E0204", format!("`{path}` could not be read"), span, reason.clone()),
+        LoadError::TooLarge => {
+            Problem::error("E0901", format!("`{path}` is too large"), span, "a file has 4 MiB at most")
+        }
+        LoadError::Refused(reason) => {
+            Problem::error("E0204", format!("`{path}` could not be read"), span, reason.clone())
+        }
     }
 }
 

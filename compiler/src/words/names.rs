@@ -7,7 +7,8 @@ use crate::problem::{Problem, Safety};
 
 /// A name that nobody knows. `what` says what would fit: "value", "solid or transformation".
 pub(crate) fn unknown(name: &str, span: Span, what: &str, near: Option<&str>) -> Problem {
-    let problem = Problem::error("E0301", format!("there is no {what} named `{name}`"), span, "not defined anywhere here");
+    let problem =
+        Problem::error("E0301", format!("there is no {what} named `{name}`"), span, "not defined anywhere here");
     similar(problem, span, near)
 }
 
@@ -26,8 +27,13 @@ pub(crate) fn not_a_file(name: &str, span: Span, near: Option<&str>) -> Problem 
 
 /// An item of a file that the used file uses in turn.
 pub(crate) fn file_of_a_file(outer: &str, inner: &str, span: Span) -> Problem {
-    Problem::error("E0304", format!("`{inner}` is used by `{outer}` and cannot be reached through it"), span, "a file's own items only")
-        .note("a `use` in this file makes it known here")
+    Problem::error(
+        "E0304",
+        format!("`{inner}` is used by `{outer}` and cannot be reached through it"),
+        span,
+        "a file's own items only",
+    )
+    .note("a `use` in this file makes it known here")
 }
 
 /// A name defined twice.
@@ -45,7 +51,11 @@ pub(crate) fn hides(name: &str, span: Span, what: &str, other: Span) -> Problem 
 /// Something that exists but is no value.
 pub(crate) fn not_a_value(name: &str, what: &str, span: Span, defined: Option<Span>) -> Problem {
     let label = if what == "function" { "needs its arguments in parentheses" } else { "a value is needed here" };
-    with_definition(Problem::error("E0307", format!("`{name}` is {}, not a value", a(what)), span, label), what, defined)
+    with_definition(
+        Problem::error("E0307", format!("`{name}` is {}, not a value", a(what)), span, label),
+        what,
+        defined,
+    )
 }
 
 /// Something that exists but is not what is needed: `needed` says what.
@@ -94,11 +104,17 @@ pub(crate) fn default_too_narrow(name: &str, span: Span, what: &str, defined: Sp
 /// Definitions that need one another.
 pub(crate) fn cycle(names: &[(String, Span)]) -> Problem {
     let Some((first, span)) = names.first() else {
-        return Problem::error("E0310", "a definition needs itself", Span::new(treegen_grammar::FileId::MAIN, 0, 0), "");
+        return Problem::error(
+            "E0310",
+            "a definition needs itself",
+            Span::new(treegen_grammar::FileId::MAIN, 0, 0),
+            "",
+        );
     };
     let chain = names.iter().map(|it| it.0.as_str()).chain([first.as_str()]);
     let chain = super::quoted(chain).join(" needs ");
-    let mut problem = Problem::error("E0310", format!("`{first}` cannot be found without itself"), *span, "part of a circle");
+    let mut problem =
+        Problem::error("E0310", format!("`{first}` cannot be found without itself"), *span, "part of a circle");
     for (_, span) in names.iter().skip(1).take(5) {
         problem = problem.and(*span, "part of it too");
     }

@@ -60,8 +60,13 @@ pub(crate) fn bad_value(field: &str, needs: &str, span: Span, is: &str) -> Probl
 
 /// Two fields that exclude each other.
 pub(crate) fn both_fields(first: &str, second: &str, span: Span, other: Span) -> Problem {
-    Problem::error("E0609", format!("a camera has `{first}` or `{second}`, not both"), span, "this makes it orthographic")
-        .and(other, "this makes it perspective")
+    Problem::error(
+        "E0609",
+        format!("a camera has `{first}` or `{second}`, not both"),
+        span,
+        "this makes it orthographic",
+    )
+    .and(other, "this makes it perspective")
 }
 
 /// A camera that looks nowhere.

@@ -21,10 +21,13 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
             Problem::error("E0904", message, span, "what follows was not read")
         }
         SyntaxErrorKind::BadCharacter { found, twin } => bad_character(*found, *twin, span),
-        SyntaxErrorKind::ForeignOperator { found, twin } => {
-            Problem::error("E0102", format!("`{found}` is not an operator"), span, "from another language")
-                .suggest(format!("write `{twin}`"), Safety::Safe, span, *twin)
-        }
+        SyntaxErrorKind::ForeignOperator { found, twin } => Problem::error(
+            "E0102",
+            format!("`{found}` is not an operator"),
+            span,
+            "from another language",
+        )
+        .suggest(format!("write `{twin}`"), Safety::Safe, span, *twin),
         SyntaxErrorKind::UnterminatedText => {
             Problem::error("E0103", "a text has no closing quote", span, "opened here").note("a text ends on its line")
         }
@@ -48,27 +51,35 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
         SyntaxErrorKind::MissingArrow => {
             Problem::error("E0110", "a rule needs `->` and what becomes of its module", span, "no `->` here")
         }
-        SyntaxErrorKind::SingleEquals => Problem::error("E0111", "`=` does not compare", span, "`==` does")
-            .suggest("write `==`", Safety::Safe, span, "=="),
-        SyntaxErrorKind::ChainedComparison => {
-            Problem::error("E0112", "comparisons do not chain", span, "a second one")
-                .note("`a < b and b < c` compares three")
-        }
-        SyntaxErrorKind::ReservedWord { word } => {
-            Problem::error("E0113", format!("`{word}` is a word of the language, not a name"), span, "a name is needed here")
-                .suggest(format!("another name, as `{word}_`"), Safety::Unsafe, span, format!("{word}_"))
-        }
+        SyntaxErrorKind::SingleEquals => Problem::error("E0111", "`=` does not compare", span, "`==` does").suggest(
+            "write `==`",
+            Safety::Safe,
+            span,
+            "==",
+        ),
+        SyntaxErrorKind::ChainedComparison => Problem::error("E0112", "comparisons do not chain", span, "a second one")
+            .note("`a < b and b < c` compares three"),
+        SyntaxErrorKind::ReservedWord { word } => Problem::error(
+            "E0113",
+            format!("`{word}` is a word of the language, not a name"),
+            span,
+            "a name is needed here",
+        )
+        .suggest(format!("another name, as `{word}_`"), Safety::Unsafe, span, format!("{word}_")),
         SyntaxErrorKind::Unexpected { found, expected } => unexpected(found.as_deref(), expected, span),
     }
 }
 
 fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem {
     let point = format!("U+{:04X}", u32::from(found));
-    let shown = if found.is_alphanumeric() || found.is_ascii_graphic() { format!("`{found}`, {point},") } else { point };
-    let problem = Problem::error("E0101", format!("the character {shown} is not part of the language"), span, "not known here");
+    let shown =
+        if found.is_alphanumeric() || found.is_ascii_graphic() { format!("`{found}`, {point},") } else { point };
+    let problem =
+        Problem::error("E0101", format!("the character {shown} is not part of the language"), span, "not known here");
     match twin {
         Some(twin) => problem.suggest(format!("write `{twin}`"), Safety::Unsafe, span, twin),
-        None => problem.note("names have letters from a to z, digits and `_`; any character may stand in texts and comments"),
+        None => problem
+            .note("names have letters from a to z, digits and `_`; any character may stand in texts and comments"),
     }
 }
 
@@ -78,7 +89,9 @@ fn bad_number(kind: NumberProblem, span: Span) -> Problem {
         NumberProblem::TwoPoints => ("two points", None),
         NumberProblem::NoExponent => ("no digit after the `e`", Some("`1e3` is 1000")),
         NumberProblem::NotDecimal => ("only decimal numbers are known", None),
-        NumberProblem::Letters => ("letters follow without a space", Some("units are not written: angles are in degrees, lengths in metres")),
+        NumberProblem::Letters => {
+            ("letters follow without a space", Some("units are not written: angles are in degrees, lengths in metres"))
+        }
         NumberProblem::TooLarge => ("larger than 1.8e308", Some("`inf` is without end")),
     };
     let problem = Problem::error("E0106", "this is not a number", span, label);
@@ -89,8 +102,12 @@ fn bad_number(kind: NumberProblem, span: Span) -> Problem {
 }
 
 fn missing(what: &'static str, span: Span) -> Problem {
-    Problem::error("E0109", format!("a `{what}` is missing"), span, format!("`{what}` expected here"))
-        .suggest(format!("add `{what}`"), Safety::Safe, Span { start: span.end, ..span }, what)
+    Problem::error("E0109", format!("a `{what}` is missing"), span, format!("`{what}` expected here")).suggest(
+        format!("add `{what}`"),
+        Safety::Safe,
+        Span { start: span.end, ..span },
+        what,
+    )
 }
 
 fn unexpected(found: Option<&str>, expected: &[String], span: Span) -> Problem {

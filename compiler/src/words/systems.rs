@@ -31,7 +31,8 @@ pub(crate) fn some_weights(module: &str, without: Span, with: Span) -> Problem {
 /// A guard or weight beside a selection function.
 pub(crate) fn select_and(module: &str, what: &str, span: Span, select: Span) -> Problem {
     let message = format!("`select {module} by` replaces guards and weights");
-    Problem::error("E0505", message, span, format!("this {what} would never be looked at")).and(select, "the selection function")
+    Problem::error("E0505", message, span, format!("this {what} would never be looked at"))
+        .and(select, "the selection function")
 }
 
 /// Operators with nothing to act on.
@@ -50,12 +51,19 @@ pub(crate) fn calc_alone(span: Span) -> Problem {
 pub(crate) fn solid_in_the_middle(what: &str, span: Span, next: Span) -> Problem {
     Problem::error("E0507", format!("{what} is a solid, and ends its chain"), next, "nothing may follow it here")
         .and(span, "the solid")
-        .note("solids are joined by `|`, cut by `&` and `\\`; only transformations, `paint` and C-nodes stand before one")
+        .note(
+            "solids are joined by `|`, cut by `&` and `\\`; only transformations, `paint` and C-nodes stand before one",
+        )
 }
 
 /// Something that only walks have.
 pub(crate) fn walks_only(what: &str, span: Span) -> Problem {
-    Problem::error("E0508", format!("{what} can only stand in `shape` and `hull` systems"), span, "this is an expression over solids")
+    Problem::error(
+        "E0508",
+        format!("{what} can only stand in `shape` and `hull` systems"),
+        span,
+        "this is an expression over solids",
+    )
 }
 
 /// Something that only one kind of system has.
@@ -65,8 +73,13 @@ pub(crate) fn wrong_kind(what: &str, has: &str, kind: &str, span: Span) -> Probl
 
 /// An operator between solids in a walk.
 pub(crate) fn no_operators_in_walk(op: &str, span: Span) -> Problem {
-    Problem::error("E0510", format!("`{op}` has no place in a walk"), span, "a walk lays one thing down after the other")
-        .note("in parentheses an expression over solids can be placed")
+    Problem::error(
+        "E0510",
+        format!("`{op}` has no place in a walk"),
+        span,
+        "a walk lays one thing down after the other",
+    )
+    .note("in parentheses an expression over solids can be placed")
 }
 
 /// An operator that a walk cannot have.
@@ -77,14 +90,20 @@ pub(crate) fn not_in_walk(name: &str, span: Span) -> Problem {
 
 /// A surface without an inside below `&` or `\`.
 pub(crate) fn open_surface(name: &str, span: Span, op: &str) -> Problem {
-    Problem::error("E0511", format!("`{name}` has no inside, so `{op}` cannot cut with it"), span, "a surface, not a solid")
-        .note("such surfaces can be joined by `|` only")
+    Problem::error(
+        "E0511",
+        format!("`{name}` has no inside, so `{op}` cannot cut with it"),
+        span,
+        "a surface, not a solid",
+    )
+    .note("such surfaces can be joined by `|` only")
 }
 
 /// An assignment to something that never changes.
 pub(crate) fn assignment(name: &str, what: &str, span: Span, defined: Span) -> Problem {
-    let problem = Problem::error("E0512", format!("`{name}` is {}, and never changes", super::a(what)), span, "assigned to here")
-        .and(defined, format!("the {what}"));
+    let problem =
+        Problem::error("E0512", format!("`{name}` is {}, and never changes", super::a(what)), span, "assigned to here")
+            .and(defined, format!("the {what}"));
     match what {
         "let" | "formal parameter" => problem.note("only a `var` can be assigned to"),
         _ => problem.note(format!("`let {name} = ...` in a C-node names a new value, if the name is free")),
@@ -96,20 +115,30 @@ pub(crate) fn unknown_var(name: &str, span: Span, near: Option<&str>) -> Problem
     let problem = Problem::error("E0513", format!("there is no `var` named `{name}`"), span, "assigned to here");
     match near {
         Some(near) => problem.suggest(format!("did you mean `{near}`?"), Safety::Unsafe, span, near),
-        None => problem
-            .suggest(format!("write `let {name} = ...` to name a value"), Safety::Unsafe, Span { end: span.start, ..span }, "let "),
+        None => problem.suggest(
+            format!("write `let {name} = ...` to name a value"),
+            Safety::Unsafe,
+            Span { end: span.start, ..span },
+            "let ",
+        ),
     }
 }
 
 /// Rules that rewrite for ever.
 pub(crate) fn never_a_solid(module: &str, span: Span) -> Problem {
-    Problem::error("E0514", format!("`{module}` never reaches a solid"), span, "every rule leads to further modules only")
-        .note("give it a rule that ends in a solid or in `nothing`, or a `proxy`")
+    Problem::error(
+        "E0514",
+        format!("`{module}` never reaches a solid"),
+        span,
+        "every rule leads to further modules only",
+    )
+    .note("give it a rule that ends in a solid or in `nothing`, or a `proxy`")
 }
 
 /// A module's rule or proxy for a module without rules.
 pub(crate) fn no_rules(what: &str, module: &str, span: Span, near: Option<&str>) -> Problem {
-    let problem = Problem::error("E0515", format!("`{what}` names `{module}`, which has no rules"), span, "not a module here");
+    let problem =
+        Problem::error("E0515", format!("`{what}` names `{module}`, which has no rules"), span, "not a module here");
     match near {
         Some(near) => problem.suggest(format!("did you mean `{near}`?"), Safety::Unsafe, span, near),
         None => problem,
@@ -124,7 +153,8 @@ pub(crate) fn priority_number(span: Span) -> Problem {
 /// `derive` or `prune` with an unknown word.
 pub(crate) fn unknown_word(what: &str, word: &str, span: Span, words: &[&str], near: Option<&str>) -> Problem {
     let known = super::one_of(&super::quoted(words.iter().copied()), "or");
-    let problem = Problem::error("E0517", format!("`{what}` does not know `{word}`"), span, format!("{known} may stand here"));
+    let problem =
+        Problem::error("E0517", format!("`{what}` does not know `{word}`"), span, format!("{known} may stand here"));
     match near {
         Some(near) => problem.suggest(format!("did you mean `{near}`?"), Safety::Unsafe, span, near),
         None => problem,
@@ -139,7 +169,12 @@ pub(crate) fn paint_what(span: Span) -> Problem {
 
 /// `on:` with something that is no system's call.
 pub(crate) fn surface_what(name: &str, span: Span) -> Problem {
-    Problem::error("E0519", format!("`{name}` takes a call of a system, as in `{name}: Ground()`"), span, "not a system's call")
+    Problem::error(
+        "E0519",
+        format!("`{name}` takes a call of a system, as in `{name}: Ground()`"),
+        span,
+        "not a system's call",
+    )
 }
 
 /// What is not there yet: `what` says it with its verb, "`terrain` is".

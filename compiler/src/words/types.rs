@@ -18,9 +18,10 @@ pub(crate) fn differs(name: &str, is: &str, span: Span, was: &str, first: Span) 
 
 /// An operator on types that it does not take.
 pub(crate) fn operands(op: &str, left: &str, right: &str, span: Span, places: (Span, Span)) -> Problem {
-    let problem = Problem::error("E0413", format!("`{op}` does not take {left} and {right}"), span, "no such operation")
-        .and(places.0, left)
-        .and(places.1, right);
+    let problem =
+        Problem::error("E0413", format!("`{op}` does not take {left} and {right}"), span, "no such operation")
+            .and(places.0, left)
+            .and(places.1, right);
     if op == "*" && left.starts_with("a vector") && right.starts_with("a vector") {
         return problem.note("`dot(a, b)` and `cross(a, b)` multiply vectors");
     }
@@ -73,7 +74,12 @@ pub(crate) fn unknown_case(kind: &str, case: &str, span: Span, cases: &[String],
 
 /// A label that no rule of the module has.
 pub(crate) fn unknown_label(module: &str, name: &str, span: Span, labels: &[&str], near: Option<&str>) -> Problem {
-    let problem = Problem::error("E0420", format!("no rule of `{module}` is labelled `{name}`"), span, "not a label of its rules");
+    let problem = Problem::error(
+        "E0420",
+        format!("no rule of `{module}` is labelled `{name}`"),
+        span,
+        "not a label of its rules",
+    );
     match near {
         Some(near) => problem.suggest(format!("did you mean `{near}`?"), Safety::Unsafe, span, near),
         None if labels.is_empty() => problem.note(format!("write a label before a rule: `{name}: {module} -> ...;`")),

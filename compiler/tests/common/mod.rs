@@ -1,5 +1,5 @@
 //! What the tests of the compiler share.
-#![allow(dead_code, reason = "each test uses some of it")]
+#![allow(dead_code, unreachable_pub, reason = "each test uses some of it")]
 #![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 use std::path::PathBuf;

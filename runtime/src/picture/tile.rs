@@ -199,7 +199,25 @@ fn along_z(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
     (0..side * side).map(|code| (even_bits(code), even_bits(code >> 1))).filter(move |(x, y)| *x < width && *y < height)
 }
 
-/// The bits 0, 2, 4, ... of a number below 2^32.
+/// The bits 0, 2, 4, ... of a number below 2^32, side by side: halves of ever larger groups move together.
 fn even_bits(code: u64) -> u32 {
-    (0..16).fold(0, |sum, bit| sum | (((code >> (2 * bit)) & 1) as u32) << bit)
+    let x = code & 0x5555_5555;
+    let x = (x | x >> 1) & 0x3333_3333;
+    let x = (x | x >> 2) & 0x0f0f_0f0f;
+    let x = (x | x >> 4) & 0x00ff_00ff;
+    ((x | x >> 8) & 0xffff) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::along_z;
+
+    #[test]
+    fn a_z_curve_goes_through_each_place_once_and_through_blocks_of_four() {
+        let places: Vec<(u32, u32)> = along_z(5, 3).collect();
+        assert_eq!(places[..5], [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0)]);
+        let mut sorted = places.clone();
+        sorted.sort_unstable_by_key(|(x, y)| (*y, *x));
+        assert_eq!(sorted, (0..15).map(|it| (it % 5, it / 5)).collect::<Vec<_>>());
+    }
 }

@@ -3,14 +3,15 @@
 
 use glam::DVec3;
 use treegen_runtime::form::{
-    Background, BinaryOp, Call, Choice, Code, Draw, Graph, ImageSettings, MaterialId, Node, NodeId, Op, Origin, PrimitiveKind, Reg,
-    Rule, Scene, Select, SelectId, Slot, System, SystemId, TransformKind, Value,
+    Background, BinaryOp, Call, Choice, Code, Draw, Graph, ImageSettings, MaterialId, Node, NodeId, Op, Origin,
+    PrimitiveKind, Reg, Rule, Scene, Select, SelectId, Slot, System, SystemId, TransformKind, Value,
 };
 use treegen_runtime::geometry::Ray;
 
 /// A code that gives these numbers.
 pub fn numbers(values: &[f64]) -> Code {
-    let ops = values.iter().enumerate().map(|(n, it)| Op::Constant(Reg(n as u16), Value::Number(*it))).collect::<Vec<_>>();
+    let ops =
+        values.iter().enumerate().map(|(n, it)| Op::Constant(Reg(n as u16), Value::Number(*it))).collect::<Vec<_>>();
     Code {
         origins: vec![Origin::NONE; ops.len()],
         registers: values.len() as u16,
@@ -283,4 +284,3 @@ pub fn ray_bundle(side: u32, half_width: f64) -> Vec<Ray> {
     }
     rays
 }
-

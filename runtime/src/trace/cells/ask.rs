@@ -69,16 +69,7 @@ pub(super) struct Ask<'q> {
 
 impl<'q> Ask<'q> {
     pub(super) fn new(question: Question, from: Option<&'q Site>, best: f64) -> Self {
-        Self {
-            question,
-            from,
-            best,
-            found: None,
-            over: false,
-            prefix: Vec::new(),
-            trails: Vec::new(),
-            steps: 0,
-        }
+        Self { question, from, best, found: None, over: false, prefix: Vec::new(), trails: Vec::new(), steps: 0 }
     }
 
     /// Counts a step.

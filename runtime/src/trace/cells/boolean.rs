@@ -154,10 +154,9 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let position = place.position + 1;
         let from = if place.from == instance.part { self.ask.from_part(position) } else { NONE };
         // Boxes are always met from the point nearest the centre.
-        let (near, near_steps) = place.ray.entered(&instance.inner_from_cell);
+        let (near, near_steps) = place.ray.entered(&instance.way);
         let boxes = BoxRay::new(near.origin, near.direction);
-        let (ray, steps) =
-            if from == NONE { (near, near_steps) } else { place.ray.entered_from_start(&instance.inner_from_cell) };
+        let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_from_start(&instance.way) };
         let shift = if from == NONE { 0.0 } else { near.own(0.0) };
         let trail = self.ask.trail(place.trail, instance.part);
         let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels };

@@ -136,7 +136,12 @@ impl Loose {
             let extra = (bounds.max - bounds.min) * (0.5 * (factor - 1.0));
             if bounds.is_empty() { *bounds } else { Aabb { min: bounds.min - extra, max: bounds.max + extra } }
         };
-        Self { bounds: grown(&self.bounds), finite: grown(&self.finite), center: self.center, radius: self.radius * factor }
+        Self {
+            bounds: grown(&self.bounds),
+            finite: grown(&self.finite),
+            center: self.center,
+            radius: self.radius * factor,
+        }
     }
 }
 
@@ -237,7 +242,14 @@ impl Search<'_, '_> {
         self.path.push(Visit { state, called, inside: Vec::new(), number, first: number });
         let most = self.store.limits.depth;
         if self.path.len() > most as usize + 1 {
-            return Err(self.led_here(Fault::new(FaultKind::Limit { limit: Limit::Depth, most: u64::from(most) }, called)));
+            return Err(
+                self.led_here(Fault::new(FaultKind::Limit { limit: Limit::Depth, most: u64::from(most) }, called))
+            );
+        }
+        // Loose bounds need every state below. States are never dropped, so their number has a limit.
+        let states = u64::from(self.store.limits.items);
+        if u64::from(state) >= states {
+            return Err(self.led_here(Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: states }, called)));
         }
         let pieces = self.store.pieces(state).map_err(|it| self.led_here(it))?;
         if let Some(visit) = self.path.last_mut() {

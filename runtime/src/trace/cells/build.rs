@@ -14,6 +14,7 @@ use super::bounds::primitive_bounds;
 use super::bvh::{self, Boxed, area};
 use super::cell::{Boolean, Cell, Frame, Instance, Leaf, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
+use super::ray::Inwards;
 use super::store::{Store, led_by};
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
@@ -117,13 +118,8 @@ enum Outline {
 }
 
 impl Way {
-    const START: Self = Self {
-        state_from_inner: DAffine3::IDENTITY,
-        material: None,
-        route: Route::START,
-        frozen: false,
-        levels: 0,
-    };
+    const START: Self =
+        Self { state_from_inner: DAffine3::IDENTITY, material: None, route: Route::START, frozen: false, levels: 0 };
 
     fn to(self, piece: &Piece) -> Self {
         Self {
@@ -152,8 +148,12 @@ fn draft(store: &Store, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> 
                 drafts.push(Draft { way: inner, shape: Outline::Instance(*state, *origin) });
                 continue;
             }
-            Shape::Intersect(operands) => Outline::Boolean { difference: false, operands: draft_all(store, operands, way)? },
-            Shape::Difference(operands) => Outline::Boolean { difference: true, operands: draft_all(store, operands, way)? },
+            Shape::Intersect(operands) => {
+                Outline::Boolean { difference: false, operands: draft_all(store, operands, way)? }
+            }
+            Shape::Difference(operands) => {
+                Outline::Boolean { difference: true, operands: draft_all(store, operands, way)? }
+            }
         };
         drafts.push(Draft { way, shape });
     }
@@ -330,8 +330,8 @@ impl Layout<'_, '_> {
         let member = Ref::new(Named::Instance(self.cell.instances.len() as u32));
         let part = self.part(member, way, origin);
         let inner_from_state = self.store.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
-        let inner_from_cell = inner_from_state * self.frame.state_from_cell();
-        self.cell.instances.push(Instance { inner_from_cell, state, part });
+        let inwards = Inwards::new(inner_from_state * self.frame.state_from_cell());
+        self.cell.instances.push(Instance { way: inwards, state, part });
         let bounds = self.store.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
         Ok((member, bounds))
     }

@@ -158,3 +158,59 @@ fn opened(halves: &[Binary; 2]) -> Vec<&Binary> {
     }
     open
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn grid(side: u32) -> Vec<Boxed> {
+        (0..side * side * side)
+            .map(|number| {
+                let place = [number % side, number / side % side, number / side / side].map(f64::from);
+                let min = DVec3::from_array(place) / f64::from(side);
+                Boxed { bounds: Aabb { min, max: min + 0.9 / f64::from(side) }, item: Ref::new(Named::Leaf(number)) }
+            })
+            .collect()
+    }
+
+    fn items(nodes: &[Node], root: u32) -> Vec<u32> {
+        let inside = nodes[root as usize].inside.iter().filter(|it| !it.is_none());
+        let mut found: Vec<u32> = inside
+            .flat_map(|it| match it.named() {
+                Named::Node(inner) => items(nodes, inner),
+                Named::Leaf(number) => vec![number],
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        found.sort_unstable();
+        found
+    }
+
+    #[test]
+    fn every_item_is_in_the_tree_once() {
+        for side in [1, 2, 3, 4, 7, 18] {
+            let mut nodes = Vec::new();
+            let root = build(&mut nodes, grid(side)).expect("there are items");
+            assert_eq!(items(&nodes, root), (0..side * side * side).collect::<Vec<_>>());
+        }
+        assert_eq!(build(&mut Vec::new(), Vec::new()), None);
+    }
+
+    #[test]
+    fn items_in_one_place_make_no_deep_tree() {
+        let one = Boxed { bounds: Aabb { min: DVec3::ZERO, max: DVec3::ONE }, item: Ref::new(Named::Leaf(0)) };
+        let mut nodes = Vec::new();
+        let root = build(&mut nodes, vec![one; 5000]).expect("there are items");
+        assert_eq!(items(&nodes, root).len(), 5000);
+        assert!(nodes.len() < 5000 / 8, "{} nodes", nodes.len());
+    }
+
+    #[test]
+    fn nodes_are_filled() {
+        let mut nodes = Vec::new();
+        build(&mut nodes, grid(4));
+        assert_eq!(nodes.len(), 5, "64 boxes fill four nodes");
+    }
+}

@@ -12,6 +12,7 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::kernel::Node;
+use super::ray::Inwards;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Primitive};
 use crate::trace::Route;
@@ -107,8 +108,8 @@ pub(super) struct Leaf {
 /// A cell in a cell.
 #[derive(Debug)]
 pub(super) struct Instance {
-    /// Maps to the inner cell's own frame.
-    pub(super) inner_from_cell: DAffine3,
+    /// The way to the inner cell's own frame.
+    pub(super) way: Inwards,
     /// Which state, in the generation of the cell.
     pub(super) state: u32,
     /// Its number.

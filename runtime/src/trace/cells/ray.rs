@@ -1,10 +1,10 @@
 //! Rays in the frames of cells.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::geometry::Ray;
 
-/// A ray in the frame of a cell, with a direction of length 1 and an origin of its own: the point nearest the cell's centre.
+/// A ray in the frame of a cell, with a direction of about length 1 and an origin of its own: the point nearest the cell's centre.
 ///
 /// So all numbers are about 1 where the cell is, however deep it lies and however far away the ray began. `t` stays that of the ray in
 /// the world: `offset + own * scale`.
@@ -14,6 +14,35 @@ pub(super) struct Local {
     pub(super) direction: DVec3,
     offset: f64,
     scale: f64,
+}
+
+/// The way into an inner frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inwards {
+    pub(super) inner_from_outer: DAffine3,
+    /// By how much it makes lengths shorter, if it is about the same in all directions; else 0.
+    shrink: f64,
+    /// Whether all directions stay what they are.
+    straight: bool,
+}
+
+impl Inwards {
+    pub(super) fn new(inner_from_outer: DAffine3) -> Self {
+        let matrix = inner_from_outer.matrix3;
+        let square = matrix.transpose() * matrix;
+        let size = square.x_axis.x;
+        let rest = square - DMat3::from_diagonal(DVec3::splat(size));
+        let similar = [rest.x_axis, rest.y_axis, rest.z_axis].iter().all(|it| it.abs().max_element() <= 1e-12 * size);
+        let shrink = 1.0 / size.sqrt();
+        let straight = matrix == DMat3::from_diagonal(DVec3::splat(matrix.x_axis.x)) && matrix.x_axis.x > 0.0;
+        Self { inner_from_outer, shrink: if similar && shrink.is_finite() { shrink } else { 0.0 }, straight }
+    }
+
+    /// Whether all directions stay what they are.
+    #[inline(always)]
+    pub(super) fn is_straight(&self) -> bool {
+        self.straight
+    }
 }
 
 /// How places on a ray in an inner frame are places on it in the outer one: `shift + t * scale`.
@@ -43,20 +72,33 @@ impl Local {
     /// A ray of the world in the frame of a cell.
     pub(super) fn new(ray: &Ray, cell_from_world: &DAffine3) -> Self {
         let world = Self { origin: ray.origin, direction: ray.direction, offset: 0.0, scale: 1.0 };
-        world.entered(cell_from_world).0
+        world.entered_with(cell_from_world, |direction| 1.0 / direction.length()).0
     }
 
     /// The same ray in an inner frame.
     #[inline(always)]
-    pub(super) fn entered(&self, inner_from_outer: &DAffine3) -> (Self, Steps) {
+    pub(super) fn entered(&self, way: &Inwards) -> (Self, Steps) {
+        if way.shrink > 0.0 {
+            // No root and no division: the direction's length is known.
+            self.entered_with(&way.inner_from_outer, |_| way.shrink)
+        } else {
+            self.entered_with(&way.inner_from_outer, |direction| 1.0 / direction.length())
+        }
+    }
+
+    /// The same ray in an inner frame, in which the direction's length has `inverse_length` for its inverse. It need only be near that: t
+    /// stays right whatever it is, and so it does wherever on the ray the new origin lies.
+    #[inline(always)]
+    fn entered_with(&self, inner_from_outer: &DAffine3, inverse_length: impl Fn(DVec3) -> f64) -> (Self, Steps) {
         let origin = inner_from_outer.transform_point3(self.origin);
         let direction = inner_from_outer.transform_vector3(self.direction);
-        let square = direction.dot(direction);
-        let shift = -origin.dot(direction) / square;
-        let scale = 1.0 / square.sqrt();
+        let scale = inverse_length(direction);
+        let direction = direction * scale;
+        let forward = -origin.dot(direction);
+        let shift = forward * scale;
         let inner = Self {
-            origin: origin + direction * shift,
-            direction: direction * scale,
+            origin: origin + direction * forward,
+            direction,
             offset: self.offset + shift * self.scale,
             scale: self.scale * scale,
         };
@@ -64,9 +106,9 @@ impl Local {
     }
 
     /// The same ray in an inner frame with its origin where it starts, as [`Local::from_start`].
-    pub(super) fn entered_from_start(&self, inner_from_outer: &DAffine3) -> (Self, Steps) {
-        let origin = inner_from_outer.transform_point3(self.origin);
-        let direction = inner_from_outer.transform_vector3(self.direction);
+    pub(super) fn entered_from_start(&self, way: &Inwards) -> (Self, Steps) {
+        let origin = way.inner_from_outer.transform_point3(self.origin);
+        let direction = way.inner_from_outer.transform_vector3(self.direction);
         let scale = 1.0 / direction.length();
         let inner = Self { origin, direction: direction * scale, offset: 0.0, scale: self.scale * scale };
         (inner, Steps { shift: 0.0, scale })

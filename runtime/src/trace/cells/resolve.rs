@@ -63,8 +63,8 @@ pub(super) fn fragment(
         match part.member.named() {
             Named::Instance(instance) => {
                 let instance = &cell.instances[instance as usize];
-                way.local = way.local.entered(&instance.inner_from_cell).0;
-                way.matrices.push(instance.inner_from_cell.matrix3);
+                way.local = way.local.entered(&instance.way).0;
+                way.matrices.push(instance.way.inner_from_outer.matrix3);
                 state = instance.state;
             }
             Named::Leaf(leaf) => {

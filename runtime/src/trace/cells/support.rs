@@ -144,4 +144,3 @@ impl Reach<'_, '_> {
         self.store.reach(self.nested + 1, slack, |it| it.add(pieces, direction, 0.0, slack))
     }
 }
-

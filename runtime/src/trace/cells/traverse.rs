@@ -75,17 +75,20 @@ struct Ahead {
     frame: u32,
 }
 
-/// A number of single precision that is not above `x`; minus infinity if it is not a number.
+/// A number of single precision that is not above `x`: it is moved by more than rounding can. If `x` is not a number, neither is it.
 #[inline(always)]
 pub(super) fn f32_below(x: f64) -> f32 {
-    if x.is_nan() { f32::NEG_INFINITY } else { (x as f32).next_down() }
+    (x - x.abs() * SINGLE - f64::from(f32::MIN_POSITIVE)) as f32
 }
 
-/// A number of single precision that is not below `x`; infinity if it is not a number.
+/// A number of single precision that is not below `x`. If `x` is not a number, neither is it.
 #[inline(always)]
 pub(super) fn f32_above(x: f64) -> f32 {
-    if x.is_nan() { f32::INFINITY } else { (x as f32).next_up() }
+    (x + x.abs() * SINGLE + f64::from(f32::MIN_POSITIVE)) as f32
 }
+
+/// More than a number of single precision is off by rounding, in parts of itself.
+const SINGLE: f64 = 1.0 / 8_388_608.0;
 
 /// The boxes of a node that the ray meets: all of them if nothing is culled.
 #[inline(always)]
@@ -110,7 +113,8 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         search.scratch.frames.clear();
         search.scratch.ahead.clear();
         // No closure here: only what is inlined is compiled for the kernel's SIMD.
-        let entered = search.enter(ask, start, NONE);
+        let boxes = BoxRay::new(start.ray.origin, start.ray.direction);
+        let entered = search.enter(ask, start, boxes, NONE);
         let searched = if entered.is_ok() { search.run(ask) } else { entered };
         match searched {
             Ok(()) => Ok(()),
@@ -142,10 +146,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
 
     /// Goes into a cell.
     #[inline(always)]
-    fn enter(&mut self, ask: &Ask, start: Start<'g>, part: u32) -> Result<(), Fault> {
+    fn enter(&mut self, ask: &Ask, start: Start<'g>, boxes: BoxRay, part: u32) -> Result<(), Fault> {
         let Start { cell, state, called, ray, from, levels } = start;
         let frame = self.scratch.frames.len() as u32;
-        let boxes = BoxRay::new(ray.origin, ray.direction);
         let start = f32_below(ray.own(0.0));
         self.scratch.frames.push(Frame { cell, ray, boxes, start, part, from, levels, state, called });
         self.tracing.check_depth(levels.saturating_add(cell.levels), called)?;
@@ -258,7 +261,12 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             return Ok(());
         };
         let part = &frame.cell.parts[instance.part as usize];
-        let (ray, _) = frame.ray.entered(&instance.inner_from_cell);
+        let (ray, _) = frame.ray.entered(&instance.way);
+        let boxes = if instance.way.is_straight() {
+            frame.boxes.moved(ray.origin)
+        } else {
+            BoxRay::new(ray.origin, ray.direction)
+        };
         let levels = frame.levels + part.levels;
         let from = if frame.from == instance.part {
             ask.from_part(ask.prefix.len() + self.scratch.frames.len())
@@ -268,7 +276,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let tracing = self.tracing;
         let (state, called) = (instance.state, part.origin);
         match tracing.store.cell(self.generation, state) {
-            Ok(Some(cell)) => self.enter(ask, Start { cell, state, called, ray, from, levels }, instance.part),
+            Ok(Some(cell)) => self.enter(ask, Start { cell, state, called, ray, from, levels }, boxes, instance.part),
             Ok(None) => self.apart(ask, instance.part, Passage { state, called, ray, from, levels }),
             Err(fault) => Err(led_by(fault, std::iter::once(tracing.store.step(state, called)))),
         }

@@ -3,6 +3,9 @@
 //! It knows neither the language nor its compiler. Data goes one way: a [`form::Scene`] is looked at by a tracer, which fills
 //! samples, which are shaded to pixels, which are written.
 
+// A fault ends the run that met it; only then is its size paid for.
+#![allow(clippy::result_large_err)]
+
 pub mod eval;
 pub mod fault;
 pub mod form;

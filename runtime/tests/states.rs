@@ -1,5 +1,7 @@
 //! States: what tells two of them apart, and how many a scene has.
 
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 mod common;
 
 use std::collections::HashSet;

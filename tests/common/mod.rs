@@ -1,4 +1,5 @@
 //! Programs compiled and looked at, for the whole-program tests.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 #![allow(dead_code, reason = "each test program uses its own part of this")]
 
 use treegen_compiler::{Compiled, Loaded, NoFiles, Options, compile, show};
@@ -10,13 +11,13 @@ use treegen_runtime::trace::reference::Reference;
 use treegen_runtime::trace::{Sample, Tracer};
 
 /// Compiles a program that uses no other files.
-pub fn compiled(text: &str) -> Compiled {
+pub(crate) fn compiled(text: &str) -> Compiled {
     let main = Loaded { name: "test.tg".into(), text: text.into() };
     compile(main, &NoFiles, &Options::default())
 }
 
 /// The scene of a program without mistakes.
-pub fn scene(text: &str) -> Scene {
+pub(crate) fn scene(text: &str) -> Scene {
     let compiled = compiled(text);
     let Some(scene) = compiled.scene else {
         panic!("{}", show(&compiled.problems, &compiled.sources, false));
@@ -26,14 +27,14 @@ pub fn scene(text: &str) -> Scene {
 
 /// What one ray saw, as far as it can be compared between programs: the depth, the normal, and the name and shade of the paint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
-    pub depth: f64,
-    pub normal: [f64; 3],
-    pub paint: Option<String>,
+pub(crate) struct Seen {
+    pub(crate) depth: f64,
+    pub(crate) normal: [f64; 3],
+    pub(crate) paint: Option<String>,
 }
 
 /// What a bundle of rays from the south sees of a program.
-pub fn seen(scene: &Scene, tracer: &dyn Tracer) -> Vec<Option<Seen>> {
+pub(crate) fn seen(scene: &Scene, tracer: &dyn Tracer) -> Vec<Option<Seen>> {
     let mut samples = Vec::new();
     tracer.look(&rays(), &mut samples).expect("the program has no faults");
     let seen = |it: &Sample| {
@@ -47,13 +48,13 @@ pub fn seen(scene: &Scene, tracer: &dyn Tracer) -> Vec<Option<Seen>> {
 }
 
 /// What the reference walker sees of a program.
-pub fn by_the_book(text: &str) -> Vec<Option<Seen>> {
+pub(crate) fn by_the_book(text: &str) -> Vec<Option<Seen>> {
     let scene = scene(text);
     seen(&scene, &Reference::new(&scene, &Limits::default()))
 }
 
 /// What the fast tracer sees of a program.
-pub fn by_cells(text: &str) -> Vec<Option<Seen>> {
+pub(crate) fn by_cells(text: &str) -> Vec<Option<Seen>> {
     let scene = scene(text);
     let tracer = CellTracer::new(&scene, &Limits::default(), Culling::State).expect("the program has no faults");
     seen(&scene, &tracer)

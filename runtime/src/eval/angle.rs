@@ -36,7 +36,7 @@ mod tests {
     #[test]
     fn quarter_turns_are_exact_at_any_size() {
         for turns in [-7, -4, -3, -1, 0, 1, 2, 3, 4, 400_001] {
-            let expected = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][(turns as i32).rem_euclid(4) as usize];
+            let expected = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][i32::rem_euclid(turns, 4) as usize];
             assert_eq!(sin_cos(f64::from(turns) * 90.0), expected, "{turns}");
         }
     }

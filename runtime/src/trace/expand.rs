@@ -195,11 +195,11 @@ impl Walk<'_, '_> {
                     let primitive = Primitive::new(*kind, &values).ok_or_else(|| {
                         Fault::new(FaultKind::Primitive { kind: *kind, values: values.to_vec() }, *origin)
                     })?;
-                    return self.put(group, here, Solid::Leaf { primitive, origin: *origin }, *origin);
+                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin }, *origin);
                 }
                 Node::Transform { kind, code, body, origin } => {
                     let above_from_below = self.machine.transform(*kind, code, &mut here.env, *origin)?;
-                    here.group_from_here = here.group_from_here * above_from_below;
+                    here.group_from_here *= above_from_below;
                     node = *body;
                 }
                 Node::Calc { code, body, .. } => {
@@ -238,24 +238,24 @@ impl Walk<'_, '_> {
                 }
                 Node::Intersect(operands) => {
                     let operands = self.operands(operands, &here)?;
-                    return self.put(group, here, Solid::Intersect(operands), Origin::NONE);
+                    return self.put(group, &here, Solid::Intersect(operands), Origin::NONE);
                 }
                 Node::Difference(first, others) => {
                     let first = self.operand(*first, &here)?;
                     let others = self.operands(others, &here)?;
-                    return self.put(group, here, Solid::Difference(Box::new(first), others), Origin::NONE);
+                    return self.put(group, &here, Solid::Difference(Box::new(first), others), Origin::NONE);
                 }
                 Node::Call(call) => {
                     let env = self.machine.enter(graph, call, &mut here.env)?;
                     here.route = here.route.then(Route::step(call.place));
                     let state = self.expander.state(Entry::Select(call.select), &env);
-                    return self.put(group, here, Solid::Instance(state, call.origin), call.origin);
+                    return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
                 }
                 Node::System(call) => {
                     let env = self.machine.enter_system(graph, call, &mut here.env)?;
                     here.route = here.route.then(Route::step(call.place));
                     let state = self.expander.state(Entry::System(call.system), &env);
-                    return self.put(group, here, Solid::Instance(state, call.origin), call.origin);
+                    return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
                 }
             }
         }
@@ -273,12 +273,12 @@ impl Walk<'_, '_> {
         Ok(group)
     }
 
-    fn put(&mut self, group: &mut Group, here: Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
+    fn put(&mut self, group: &mut Group, here: &Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
         let most = self.expander.limits.items;
         self.left = self.left.checked_sub(1).ok_or_else(|| {
             Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin)
         })?;
-        let Here { group_from_here: group_from_item, material, route, .. } = here;
+        let Here { group_from_here: group_from_item, material, route, .. } = *here;
         group.items.push(Item { group_from_item, material, route, solid });
         Ok(())
     }

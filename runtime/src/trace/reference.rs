@@ -215,7 +215,7 @@ impl Walk<'_, '_> {
                 Node::Primitive { kind, code, origin } => {
                     let values = self.machine.primitive(*kind, code, &mut here.env)?;
                     return match Primitive::new(*kind, &values) {
-                        Some(primitive) => self.primitive(primitive, *origin, here),
+                        Some(primitive) => self.primitive(&primitive, *origin, &here),
                         None => {
                             let kind = FaultKind::Primitive { kind: *kind, values: values.to_vec() };
                             Err(Fault::new(kind, *origin))
@@ -341,14 +341,14 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn primitive(&mut self, primitive: Primitive, origin: Origin, here: Here) -> Result<Line, Fault> {
+    fn primitive(&mut self, primitive: &Primitive, origin: Origin, here: &Here) -> Result<Line, Fault> {
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
             let chords = primitive.chords(&here.ray, from);
-            line.inside = Intervals::of_chords(&chords, |it| self.surface(&primitive, origin, &here, it.face));
+            line.inside = Intervals::of_chords(&chords, |it| self.surface(primitive, origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
-            line.crossings.push((crossing.t, self.surface(&primitive, origin, &here, crossing.face)));
+            line.crossings.push((crossing.t, self.surface(primitive, origin, here, crossing.face)));
         }
         Ok(line)
     }
@@ -356,7 +356,7 @@ impl Walk<'_, '_> {
     /// Notes a surface that was met, and gives it a number.
     fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
         self.surfaces.push(Surface {
-            primitive: primitive.clone(),
+            primitive: *primitive,
             origin,
             material: here.material,
             route: here.route,

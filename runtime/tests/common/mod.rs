@@ -1,4 +1,5 @@
 //! Scenes built by hand for the tests of the runtime.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 #![allow(dead_code, reason = "each test program uses its own part of this")]
 
 use glam::DVec3;
@@ -9,7 +10,7 @@ use treegen_runtime::form::{
 use treegen_runtime::geometry::Ray;
 
 /// A code that gives these numbers.
-pub fn numbers(values: &[f64]) -> Code {
+pub(crate) fn numbers(values: &[f64]) -> Code {
     let ops =
         values.iter().enumerate().map(|(n, it)| Op::Constant(Reg(n as u16), Value::Number(*it))).collect::<Vec<_>>();
     Code {
@@ -21,14 +22,14 @@ pub fn numbers(values: &[f64]) -> Code {
 }
 
 /// The code `slot op number`.
-pub fn slot_and(slot: Slot, op: BinaryOp, number: f64) -> Code {
+pub(crate) fn slot_and(slot: Slot, op: BinaryOp, number: f64) -> Code {
     let (a, b, c) = (Reg(0), Reg(1), Reg(2));
     let ops = vec![Op::Load(a, slot), Op::Constant(b, Value::Number(number)), Op::Binary(c, op, a, b)];
     Code { origins: vec![Origin::NONE; 3], registers: 3, results: vec![c], ops }
 }
 
 /// The code `random(low, high)`, followed by more numbers.
-pub fn random(low: f64, high: f64, place: u64) -> Code {
+pub(crate) fn random(low: f64, high: f64, place: u64) -> Code {
     let (a, b, c) = (Reg(0), Reg(1), Reg(2));
     let ops = vec![
         Op::Constant(a, Value::Number(low)),
@@ -40,47 +41,47 @@ pub fn random(low: f64, high: f64, place: u64) -> Code {
 
 /// Builds graphs node by node.
 #[derive(Default)]
-pub struct Builder {
-    pub nodes: Vec<Node>,
-    pub selects: Vec<Select>,
+pub(crate) struct Builder {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) selects: Vec<Select>,
 }
 
 impl Builder {
-    pub fn add(&mut self, node: Node) -> NodeId {
+    pub(crate) fn add(&mut self, node: Node) -> NodeId {
         self.nodes.push(node);
         NodeId(self.nodes.len() as u32 - 1)
     }
 
-    pub fn primitive(&mut self, kind: PrimitiveKind, params: &[f64]) -> NodeId {
+    pub(crate) fn primitive(&mut self, kind: PrimitiveKind, params: &[f64]) -> NodeId {
         // Every primitive has a place of its own, so that pictures can be compared by it.
         let start = self.nodes.len() as u32;
         self.add(Node::Primitive { kind, code: numbers(params), origin: Origin { file: 0, start, end: start + 1 } })
     }
 
-    pub fn transform(&mut self, kind: TransformKind, params: &[f64], body: NodeId) -> NodeId {
+    pub(crate) fn transform(&mut self, kind: TransformKind, params: &[f64], body: NodeId) -> NodeId {
         self.add(Node::Transform { kind, code: numbers(params), body, origin: Origin::NONE })
     }
 
-    pub fn transform_by(&mut self, kind: TransformKind, code: Code, body: NodeId) -> NodeId {
+    pub(crate) fn transform_by(&mut self, kind: TransformKind, code: Code, body: NodeId) -> NodeId {
         self.add(Node::Transform { kind, code, body, origin: Origin::NONE })
     }
 
-    pub fn union(&mut self, operands: &[NodeId]) -> NodeId {
+    pub(crate) fn union(&mut self, operands: &[NodeId]) -> NodeId {
         self.add(Node::Union(operands.into()))
     }
 
-    pub fn paint(&mut self, material: u32, body: NodeId) -> NodeId {
+    pub(crate) fn paint(&mut self, material: u32, body: NodeId) -> NodeId {
         self.add(Node::Paint { material: MaterialId(material), body })
     }
 
     /// A call of a module of one parameter.
-    pub fn call(&mut self, select: u32, args: Code) -> NodeId {
+    pub(crate) fn call(&mut self, select: u32, args: Code) -> NodeId {
         let place = self.nodes.len() as u64 + 1;
         self.add(Node::Call(Call { select: SelectId(select), args, place, origin: Origin::NONE }))
     }
 
     /// A module of one parameter (slot 0) with two rules: `stop` when it is 0, else `go`.
-    pub fn module(&mut self, stop: NodeId, go: NodeId) -> u32 {
+    pub(crate) fn module(&mut self, stop: NodeId, go: NodeId) -> u32 {
         let guard = Some(slot_and(Slot(0), BinaryOp::LessEqual, 0.0));
         let rule = |guard, body| Rule { label: None, guard, weight: None, body, origin: Origin::NONE };
         self.selects.push(Select {
@@ -96,7 +97,7 @@ impl Builder {
     }
 
     /// The scene that shows `start`, with one slot `c`.
-    pub fn scene(self, start: NodeId) -> Scene {
+    pub(crate) fn scene(self, start: NodeId) -> Scene {
         let system = System {
             name: "scene".into(),
             slots: vec!["c".into(), "i".into()],
@@ -112,7 +113,7 @@ impl Builder {
 }
 
 /// A scene with a graph and nothing else.
-pub fn scene_of(graph: Graph) -> Scene {
+pub(crate) fn scene_of(graph: Graph) -> Scene {
     Scene {
         graph,
         seed: 1,
@@ -125,7 +126,7 @@ pub fn scene_of(graph: Graph) -> Scene {
 }
 
 /// The Sierpinski tetrahedron of an order (GT95, figure 2).
-pub fn sierpinski(order: f64) -> Scene {
+pub(crate) fn sierpinski(order: f64) -> Scene {
     let mut b = Builder::default();
     let stop = b.primitive(PrimitiveKind::Tetrahedron, &[]);
     let mut parts = Vec::new();
@@ -141,7 +142,7 @@ pub fn sierpinski(order: f64) -> Scene {
 }
 
 /// The Menger sponge of an order: of each 27 cubes 20.
-pub fn menger(order: f64) -> Scene {
+pub(crate) fn menger(order: f64) -> Scene {
     let mut b = Builder::default();
     let stop = b.primitive(PrimitiveKind::Box, &[]);
     let mut parts = Vec::new();
@@ -160,28 +161,28 @@ pub fn menger(order: f64) -> Scene {
 }
 
 /// Numbers for scenes made at random: a sequence of its own for each seed.
-pub struct Dice(pub u64);
+pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
-    pub fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         x ^ (x >> 31)
     }
 
-    pub fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         (self.next() % count as u64) as usize
     }
 
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 
 /// A scene made at random: modules that name each other through nested rotated, scaled, sheared and mirrored unions, intersections
 /// and differences, to a small order.
-pub fn random_scene(seed: u64) -> Scene {
+pub(crate) fn random_scene(seed: u64) -> Scene {
     let mut dice = Dice(seed);
     let mut b = Builder::default();
     let modules = 1 + dice.below(3) as u32;
@@ -203,7 +204,7 @@ fn random_union(dice: &mut Dice, b: &mut Builder, modules: u32, calls: &mut u32)
 }
 
 fn random_solid(dice: &mut Dice, b: &mut Builder, height: u32, mut modules: Option<(u32, &mut u32)>) -> NodeId {
-    let mut inner = |dice: &mut Dice, b: &mut Builder, modules: &mut Option<(u32, &mut u32)>| {
+    let inner = |dice: &mut Dice, b: &mut Builder, modules: &mut Option<(u32, &mut u32)>| {
         let again = modules.as_mut().map(|(count, calls)| (*count, &mut **calls));
         random_solid(dice, b, height - 1, again)
     };
@@ -268,7 +269,7 @@ fn random_transform(dice: &mut Dice, b: &mut Builder, body: NodeId) -> NodeId {
 }
 
 /// A bundle of rays that fills a square around the origin, seen along a direction off every axis.
-pub fn ray_bundle(side: u32, half_width: f64) -> Vec<Ray> {
+pub(crate) fn ray_bundle(side: u32, half_width: f64) -> Vec<Ray> {
     let forward = DVec3::new(-0.53, 0.71, -0.29).normalize();
     let right = forward.cross(DVec3::Z).normalize();
     let up = right.cross(forward);

@@ -1,5 +1,7 @@
 //! The fast tracer: against brute force, and against itself with nothing culled, hardly any memory, or many threads.
 
+#![allow(clippy::expect_used, reason = "a test that cannot go on fails")]
+
 mod common;
 
 use std::thread;
@@ -26,8 +28,10 @@ fn depth(sample: &Sample) -> Option<f64> {
     sample.fragments.first().map(|it| it.depth)
 }
 
-/// All that a sample says, to the bit.
-fn bits(sample: &Sample) -> Vec<(Vec<u64>, u64, Site)> {
+/// All that a sample says, to the bit: numbers, route and site of each fragment.
+type Bits = Vec<(Vec<u64>, u64, Site)>;
+
+fn bits(sample: &Sample) -> Bits {
     let of = |it: DVec3| it.to_array().map(f64::to_bits);
     let fragments = sample.fragments.iter();
     fragments
@@ -45,7 +49,7 @@ fn shadow_rays(samples: &[Sample]) -> Vec<SurfaceRay> {
 }
 
 /// What a tracer sees along rays, and which of the shadow rays from there are blocked.
-fn picture(tracer: &CellTracer, rays: &[Ray]) -> (Vec<Vec<(Vec<u64>, u64, Site)>>, Vec<bool>) {
+fn picture(tracer: &CellTracer, rays: &[Ray]) -> (Vec<Bits>, Vec<bool>) {
     let samples = look(tracer, rays);
     let mut blocked = Vec::new();
     tracer.blocked(&shadow_rays(&samples), &mut blocked).expect("no fault");
@@ -136,16 +140,18 @@ fn the_budget_changes_no_bit() {
 
 #[test]
 fn threads_that_share_few_cells_see_the_same() {
-    let scene = common::sierpinski(12.0);
-    let rays = common::ray_bundle(24, 1.4);
+    let scene = common::sierpinski(10.0);
+    let rays = common::ray_bundle(20, 1.4);
     let alone = picture(&tracer(&scene, &Limits::default(), Culling::State), &rays);
-    let shared = tracer(&scene, &Limits { cell_bytes: 60_000, ..Limits::default() }, Culling::State);
-    thread::scope(|scope| {
-        let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| picture(&shared, &rays))).collect();
-        for thread in threads {
-            assert!(thread.join().expect("no panic") == alone);
-        }
-    });
+    for cell_bytes in [0, 60_000] {
+        let shared = tracer(&scene, &Limits { cell_bytes, ..Limits::default() }, Culling::State);
+        thread::scope(|scope| {
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| picture(&shared, &rays))).collect();
+            for thread in threads {
+                assert!(thread.join().expect("no panic") == alone);
+            }
+        });
+    }
 }
 
 /// A module that lays a ball and goes on, moved and scaled, to an order.
@@ -188,6 +194,29 @@ fn depth_costs_no_stack() {
 }
 
 #[test]
+fn booleans_inside_one_another_cost_no_stack() {
+    // 3000 cubes, each a little larger: what lies in all of them is the first.
+    let mut b = Builder::default();
+    let stop = b.primitive(PrimitiveKind::Box, &[]);
+    let cube = b.primitive(PrimitiveKind::Box, &[]);
+    let call = b.call(0, slot_and(Slot(0), BinaryOp::Subtract, 1.0));
+    let larger = b.transform(TransformKind::UScale, &[1.001], call);
+    let go = b.add(Node::Intersect([cube, larger].into()));
+    b.module(stop, go);
+    let start = b.call(0, numbers(&[3000.0]));
+    let scene = b.scene(start);
+    let thread = thread::Builder::new().stack_size(1 << 20).spawn(move || {
+        let ray = Ray { origin: DVec3::new(0.1, 0.2, 5.0), direction: DVec3::NEG_Z };
+        for cell_bytes in [1 << 30, 0] {
+            let limits = Limits { cell_bytes, ..Limits::default() };
+            let samples = look(&tracer(&scene, &limits, Culling::State), &[ray]);
+            assert!((depth(&samples[0]).expect("the first cube") - 4.0).abs() < 1e-12);
+        }
+    });
+    thread.expect("a thread").join().expect("no overflow");
+}
+
+#[test]
 fn a_limit_of_depth_names_the_modules_that_led_there() {
     let scene = common::sierpinski(6.0);
     let at = |depth| CellTracer::new(&scene, &Limits { depth, ..Limits::default() }, Culling::State).map(drop);
@@ -215,7 +244,8 @@ fn endless(offset: f64, factor: f64) -> Scene {
 
 #[test]
 fn a_cycle_that_shrinks_has_bounds() {
-    // It reaches x = 1, or 3 (1 - factor) + factor x in the copy: 3. A cycle that hardly shrinks is not followed to its end.
+    // It reaches x = 1, or 3 (1 - factor) + factor x in the copy: 3. A cycle that hardly shrinks is not followed to
+    // its end.
     for (factor, slack) in [(0.5, 2e-3), (0.9, 2e-3), (0.999, 1.0)] {
         let scene = endless(3.0 * (1.0 - factor), factor);
         let bounds = tracer(&scene, &Limits::default(), Culling::State).finite_bounds().expect("it shrinks");

@@ -84,7 +84,8 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             format!("this is {}", number(*value)),
         ),
         FaultKind::Singular { kind, values } => {
-            ("E1009", format!("`{}({})` flattens everything", kind.name(), numbers(values)), singular(*kind, values))
+            let (what, label) = singular(*kind, values);
+            ("E1009", format!("`{}({})` {what}", kind.name(), numbers(values)), label.to_owned())
         }
         FaultKind::Primitive { kind, values } => (
             "E1010",
@@ -112,18 +113,29 @@ fn not_a_number(operation: &str, operands: &[Value], vocabulary: &Vocabulary) ->
     let shown: Vec<String> = operands.iter().map(|it| value(it, vocabulary)).collect();
     let is_sign = operation.chars().all(|it| it.is_ascii_punctuation());
     match (is_sign, shown.as_slice()) {
+        // A sign binds weaker than a power.
+        (true, [left, right]) if operation == "^" && left.starts_with('-') => {
+            format!("`({left}) {operation} {right}` is not a number")
+        }
         (true, [left, right]) => format!("`{left} {operation} {right}` is not a number"),
         (true, [only]) => format!("`{operation}{only}` is not a number"),
         _ => format!("`{operation}({})` is not a number", shown.join(", ")),
     }
 }
 
-fn singular(kind: TransformKind, values: &[f64]) -> String {
+/// Why a transformation cannot be undone: what it does, and what is special about its numbers.
+fn singular(kind: TransformKind, values: &[f64]) -> (&'static str, &'static str) {
+    const FLATTENS: &str = "flattens everything";
+    const NONE: &str = "is no transformation";
+    if !values.iter().all(|it| it.is_finite()) {
+        return (NONE, "its numbers must be finite");
+    }
     match kind {
-        TransformKind::Scale | TransformKind::UScale if values.contains(&0.0) => "a factor is 0".to_owned(),
-        TransformKind::Rotate => "its axis has no direction".to_owned(),
-        TransformKind::Mirror => "its normal has no direction".to_owned(),
-        _ => "it has no inverse".to_owned(),
+        TransformKind::Scale | TransformKind::UScale if values.contains(&0.0) => (FLATTENS, "a factor is 0"),
+        TransformKind::Scale | TransformKind::UScale => (NONE, "a factor is too large or too small to compute with"),
+        TransformKind::Rotate => (NONE, "its axis has no direction"),
+        TransformKind::Mirror => (NONE, "its normal has no direction"),
+        _ => (FLATTENS, "it has no inverse"),
     }
 }
 

@@ -65,11 +65,23 @@ pub(super) struct Ask<'q> {
     /// Ways on from a cell into cells below, as lists that share their beginnings: the way before, and a number.
     trails: Vec<(u32, u32)>,
     steps: u64,
+    /// Searches inside one another to here.
+    pub(super) nested: u32,
 }
 
 impl<'q> Ask<'q> {
     pub(super) fn new(question: Question, from: Option<&'q Site>, best: f64) -> Self {
-        Self { question, from, best, found: None, over: false, prefix: Vec::new(), trails: Vec::new(), steps: 0 }
+        Self {
+            question,
+            from,
+            best,
+            found: None,
+            over: false,
+            prefix: Vec::new(),
+            trails: Vec::new(),
+            steps: 0,
+            nested: 0,
+        }
     }
 
     /// Counts a step.
@@ -84,13 +96,13 @@ impl<'q> Ask<'q> {
 
     /// The number that the way to the surface the ray starts on has at a place; [`NONE`] if it has none.
     #[inline]
-    pub(super) fn from_part(&self, position: usize) -> u32 {
+    pub(super) fn start_part(&self, position: usize) -> u32 {
         self.from.and_then(|it| it.path.get(position)).copied().unwrap_or(NONE)
     }
 
     /// The face that the ray starts on.
     #[inline]
-    pub(super) fn from_face(&self) -> Option<u8> {
+    pub(super) fn start_face(&self) -> Option<u8> {
         self.from.map(|it| it.face)
     }
 

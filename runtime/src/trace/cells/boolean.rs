@@ -6,6 +6,7 @@ use smallvec::SmallVec;
 
 use super::ask::{Ask, Mark, NONE};
 use super::cell::{Boolean, Cell, Leaf, Named, Ref, Union};
+use super::deep::deeper;
 use super::kernel::{BoxRay, Kernel};
 use super::ray::{Local, Steps};
 use super::store::Generation;
@@ -50,7 +51,7 @@ pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
 impl<'c> Place<'c> {
     /// A ray in a cell, `near` counted from its point nearest the centre.
     pub(super) fn new(cell: &'c Cell, near: Local, boxes: BoxRay, from: u32, position: usize, levels: u32) -> Self {
-        let (ray, shift) = if from == NONE { (near, 0.0) } else { (near.from_start(), near.own(0.0)) };
+        let (ray, shift) = if from == NONE { (near, 0.0) } else { (near.counted_from_start(), near.own(0.0)) };
         Self { cell, ray, boxes, shift, from, position, trail: NONE, levels }
     }
 }
@@ -139,7 +140,7 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
             let origin = place.cell.parts[leaf.part as usize].origin;
             return Err(Fault::new(FaultKind::Open(leaf.primitive.kind()), origin));
         }
-        let from = if leaf.part == place.from { self.ask.from_face() } else { None };
+        let from = if leaf.part == place.from { self.ask.start_face() } else { None };
         let chords = leaf.primitive.chords(&place.ray.line(&leaf.leaf_from_cell), from);
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
@@ -152,11 +153,11 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let store = self.tracing.store;
         let led = |fault| super::store::led_by(fault, std::iter::once(store.step(instance.state, part.origin)));
         let position = place.position + 1;
-        let from = if place.from == instance.part { self.ask.from_part(position) } else { NONE };
+        let from = if place.from == instance.part { self.ask.start_part(position) } else { NONE };
         // Boxes are always met from the point nearest the centre.
         let (near, near_steps) = place.ray.entered(&instance.way);
         let boxes = BoxRay::new(near.origin, near.direction);
-        let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_from_start(&instance.way) };
+        let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_at_start(&instance.way) };
         let shift = if from == NONE { 0.0 } else { near.own(0.0) };
         let trail = self.ask.trail(place.trail, instance.part);
         let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels };
@@ -176,7 +177,8 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     /// The pieces inside a whole cell.
     fn whole(&mut self, place: &Place, called: Origin, range: Range, tolerance: f64) -> Result<Line, Fault> {
         self.tracing.check_depth(place.levels + place.cell.levels, called)?;
-        self.union(place, 0, range, tolerance)
+        let (tracing, generation) = (self.tracing, self.generation);
+        deeper(self.ask, |ask| Pieces { tracing, generation, ask }.union(place, 0, range, tolerance))
     }
 
     fn check(&self, line: &Line) -> Result<(), Fault> {

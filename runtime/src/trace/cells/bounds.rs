@@ -1,8 +1,8 @@
 //! Loose bounds of states: quick to find, valid, and only used to prune the search for exact ones (`support`).
 //!
-//! The bounds of a state follow from those of the states in it, so they are found from the innermost outwards. States that contain
-//! themselves get theirs all at once, as a fixed point: bounds that hold whatever is made from them hold for ever. If the cycle shrinks
-//! there are such bounds; if none are found it may never end.
+//! The bounds of a state follow from those of the states in it, so they are found from the innermost outwards. States
+//! that contain themselves get theirs all at once, as a fixed point: bounds that hold whatever is made from them hold
+//! for ever. If the cycle shrinks there are such bounds; if none are found it may never end.
 
 use std::collections::HashMap;
 
@@ -168,8 +168,8 @@ fn ball_box(center: DVec3, radius: f64) -> Aabb {
     if radius < f64::INFINITY { Aabb { min: center - radius, max: center + radius } } else { Aabb::ALL }
 }
 
-/// At least the most that a matrix stretches a vector: the root of the greatest row sum of MᵀM, which is exact for rotations with
-/// uniform scaling. (No eigenvalue of a matrix is above its greatest row sum.)
+/// At least the most that a matrix stretches a vector: the root of the greatest row sum of MᵀM, which is exact for
+/// rotations with uniform scaling. (No eigenvalue of a matrix is above its greatest row sum.)
 fn stretch(matrix: &DMat3) -> f64 {
     let square = matrix.transpose() * *matrix;
     let rows = [square.x_axis, square.y_axis, square.z_axis].map(|it| it.abs().element_sum());
@@ -195,7 +195,8 @@ impl Store<'_> {
     }
 }
 
-/// A depth-first search for the states below one and their cycles (Tarjan 1972), on a stack of its own: derivations go deep.
+/// A depth-first search for the states below one and their cycles (Tarjan 1972), on a stack of its own: derivations
+/// go deep.
 struct Search<'a, 's> {
     store: &'a Store<'s>,
     path: Vec<Visit>,

@@ -1,8 +1,9 @@
-//! Building a cell: a state is expanded, the states in it are expanded in turn until there are enough parts for a cell, and all is laid
-//! out.
+//! Building a cell: a state is expanded, the states in it are expanded in turn until there are enough parts for a
+//! cell, and all is laid out.
 //!
-//! What is merged follows from the states alone. States of few primitives are always merged into the cell they are in; then the
-//! largest instances, until there are about [`ENOUGH`] members. More gains nothing: what makes cells fast is that they stay in cache.
+//! What is merged follows from the states alone. States of few primitives are always merged into the cell they are
+//! in; then the largest instances, until there are about [`ENOUGH`] members. More gains nothing: what makes cells
+//! fast is that they stay in cache.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

@@ -1,8 +1,8 @@
 //! Trees of boxes, sixteen a node.
 //!
-//! The items are split in two again and again by the surface area heuristic, and the binary tree is then read off as a tree of wide
-//! nodes. What a ray pays for is nodes, not boxes, so a set of n items is taken to cost ceil(n / 16) times its area: that makes splits
-//! that fill nodes, where the usual count of items leaves them half empty.
+//! The items are split in two again and again by the surface area heuristic, and the binary tree is then read off as
+//! a tree of wide nodes. What a ray pays for is nodes, not boxes, so a set of n items is taken to cost ceil(n / 16)
+//! times its area: that makes splits that fill nodes, where the usual count of items leaves them half empty.
 
 use std::cmp::Ordering;
 
@@ -10,7 +10,8 @@ use super::cell::{Named, Ref};
 use super::kernel::{Node, WIDTH};
 use crate::geometry::Aabb;
 
-/// Items above which a split looks at the middle of each axis only instead of at every place: it keeps huge states fast.
+/// Items above which a split looks at the middle of each axis only instead of at every place: it keeps huge states
+/// fast.
 const SWEEP_MOST: usize = 4096;
 
 /// An item with its box.

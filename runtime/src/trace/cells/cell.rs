@@ -1,10 +1,11 @@
 //! Cells: states expanded and merged, laid out for rays.
 //!
-//! **Frame.** A cell's own frame is moved and scaled from that of its state ([`Frame`]), so that all that is finite in it lies within
-//! -1 to 1 on each axis.
+//! **Frame.** A cell's own frame is moved and scaled from that of its state ([`Frame`]), so that all that is finite
+//! in it lies within -1 to 1 on each axis.
 //!
-//! **Parts** are the primitives and instances of a cell, numbered in the order written, those inside Booleans too. The numbers on the
-//! way to a primitive, one a cell, name it ([`Site`](crate::trace::Site)) and say what was written first.
+//! **Parts** are the primitives and instances of a cell, numbered in the order written, those inside Booleans too.
+//! The numbers on the way to a primitive, one a cell, name it ([`Site`](crate::trace::Site)) and say what was written
+//! first.
 
 use std::mem::size_of_val;
 use std::ops::Range;

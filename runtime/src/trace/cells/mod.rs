@@ -1,12 +1,14 @@
 //! The fast tracer: through states and cells.
 //!
-//! A state is expanded once, when a ray first needs it, into a [cell](cell): its primitives and the states in it, each with its exact box,
-//! small states and some of the large ones merged in. A ray goes through cells as through nested instances.
+//! A state is expanded once, when a ray first needs it, into a **cell**: its primitives and the states in it,
+//! each with its exact box, small states and some of the large ones merged in. A ray goes through cells as through
+//! nested instances.
 //!
-//! What a ray sees is a pure function of the ray and the scene. Rays and matrices are in double precision, and a hit follows from the
-//! chain of frames from the world to the primitive, which the states alone decide. Boxes are in single precision, but only decide what
-//! need not be looked at: they are grown by the proven error of their test (`kernel`). So culling, the width of SIMD, the order of rays,
-//! threads and the budget for cells change the time, and no bit of a picture.
+//! What a ray sees is a pure function of the ray and the scene. Rays and matrices are in double precision, and a hit
+//! follows from the chain of frames from the world to the primitive, which the states alone decide. Boxes are in
+//! single precision, but only decide what need not be looked at: they are grown by the proven error of their test
+//! (`kernel`). So culling, the width of SIMD, the order of rays, threads and the budget for cells change the time,
+//! and no bit of a picture.
 
 mod ask;
 mod boolean;
@@ -14,6 +16,7 @@ mod bounds;
 mod build;
 mod bvh;
 mod cell;
+mod deep;
 mod kernel;
 mod piece;
 mod ray;
@@ -24,11 +27,10 @@ mod traverse;
 
 pub use store::Counts;
 
-use glam::DAffine3;
-
-use self::ask::{Ask, Found, Question};
+use self::ask::{Ask, Question};
 use self::kernel::{Kernel, Task, dispatch};
-use self::ray::Local;
+use self::ray::{Inwards, Local};
+use self::resolve::Hit;
 use self::store::{Generation, Store};
 use self::traverse::{Scratch, Start, Tracing};
 use super::{RayFault, Sample, SurfaceRay, Tracer};
@@ -53,7 +55,7 @@ pub struct CellTracer<'s> {
     culling: Culling,
     root: u32,
     /// From the world to the frame of the scene's cell.
-    cell_from_world: DAffine3,
+    cell_from_world: Inwards,
 }
 
 impl<'s> CellTracer<'s> {
@@ -64,7 +66,7 @@ impl<'s> CellTracer<'s> {
     pub fn new(scene: &'s Scene, limits: &Limits, culling: Culling) -> Result<Self, Fault> {
         let store = Store::new(scene, limits);
         let root = store.root()?;
-        let cell_from_world = store.frame(root)?.cell_from_state();
+        let cell_from_world = Inwards::new(store.frame(root)?.cell_from_state());
         Ok(Self { store, culling, root, cell_from_world })
     }
 
@@ -118,9 +120,10 @@ impl Task for Look<'_, '_> {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
             for ray in &rays[samples.len()..] {
-                match caster.look(ray) {
-                    Ok(sample) => samples.push(sample),
-                    Err(fault) => return Err(RayFault { ray: samples.len(), fault }),
+                let number = samples.len();
+                samples.push(Sample::default());
+                if let Some(sample) = samples.last_mut() {
+                    caster.look(ray, sample).map_err(|fault| RayFault { ray: number, fault })?;
                 }
                 if generation.is_full() {
                     break;
@@ -175,20 +178,20 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     }
 
     #[inline(always)]
-    fn look(&mut self, ray: &Ray) -> Result<Sample, Fault> {
+    fn look(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
         let local = Local::new(ray, &self.tracer.cell_from_world);
         let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY);
         self.ask(&mut ask, local)?;
         if ask.over {
-            return self.look_out(ray, local);
+            return self.look_out(ray, local, sample);
         }
-        self.sample(ray, local, ask.best, ask.found)
+        self.resolve(ray, local, ask, sample)
     }
 
     /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
     #[cold]
     #[inline(never)]
-    fn look_out(&mut self, ray: &Ray, local: Local) -> Result<Sample, Fault> {
+    fn look_out(&mut self, ray: &Ray, local: Local, sample: &mut Sample) -> Result<(), Fault> {
         let mut ask = Ask::new(Question::Exit, None, 0.0);
         loop {
             let before = ask.best;
@@ -203,7 +206,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         }
         ask.question = Question::Surface;
         self.ask_apart(&mut ask, local)?;
-        self.sample(ray, local, ask.best, ask.found)
+        self.resolve(ray, local, ask, sample)
     }
 
     #[inline(always)]
@@ -225,22 +228,34 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     #[inline(always)]
     fn ask(&mut self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
         let (store, state) = (self.tracing.store, self.tracer.root);
-        let from = ask.from_part(0);
-        let start = |cell| Start { cell, state, called: Origin::NONE, ray, from, levels: 0 };
-        match store.cell(self.generation, state)? {
-            Some(cell) => self.tracing.search(self.generation, &mut self.scratch, ask, start(cell)),
-            // A generation is never full before its first cell.
-            None => Ok(()),
-        }
+        let from = ask.start_part(0);
+        let kept = match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => store.cell(self.generation, state)?,
+        };
+        let Some(cell) = kept else {
+            return self.ask_unkept(ask, ray);
+        };
+        let start = Start { cell, state, called: Origin::NONE, ray, from, levels: 0 };
+        self.tracing.search(self.generation, &mut self.scratch, ask, start)
     }
 
-    fn sample(&self, ray: &Ray, local: Local, depth: f64, found: Option<Found>) -> Result<Sample, Fault> {
-        let mut sample = Sample::default();
-        if let Some(found) = found {
-            let store = self.tracing.store;
-            let fragment = resolve::fragment(store, self.generation, self.tracer.root, ray, local, depth, found)?;
-            sample.fragments.extend(fragment);
-        }
-        Ok(sample)
+    /// Asks with a cell of the scene for this ray alone: other threads have filled the generation meanwhile.
+    #[cold]
+    #[inline(never)]
+    fn ask_unkept(&self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
+        let (state, from) = (self.tracer.root, ask.start_part(0));
+        let cell = build::build(self.tracing.store, state)?;
+        let mut scratch = Scratch::default();
+        let start = Start { cell: &cell, state, called: Origin::NONE, ray, from, levels: 0 };
+        self.tracing.search(self.generation, &mut scratch, ask, start)
+    }
+
+    fn resolve(&self, ray: &Ray, local: Local, ask: Ask, sample: &mut Sample) -> Result<(), Fault> {
+        let Some(found) = ask.found else {
+            return Ok(());
+        };
+        let hit = Hit { ray, local, depth: ask.best, found };
+        resolve::fragment(self.tracing.store, self.generation, self.tracer.root, hit, sample)
     }
 }

@@ -13,7 +13,7 @@ use super::store::{Generation, Store};
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::Ray;
-use crate::trace::{Fragment, Route, Site};
+use crate::trace::{Fragment, Route, Sample, Site};
 
 /// What has been collected on the way so far.
 struct Way {
@@ -25,7 +25,16 @@ struct Way {
     matrices: SmallVec<[DMat3; 6]>,
 }
 
-/// What a ray sees where it meets a surface.
+/// A hit as the search leaves it.
+pub(super) struct Hit<'r> {
+    pub(super) ray: &'r Ray,
+    /// The ray in the frame of the scene's cell.
+    pub(super) local: Local,
+    pub(super) depth: f64,
+    pub(super) found: Found,
+}
+
+/// Adds what a ray sees where it meets a surface to its sample.
 ///
 /// # Errors
 /// What fails in expanding a state again that is not kept.
@@ -33,11 +42,10 @@ pub(super) fn fragment(
     store: &Store,
     generation: &Generation,
     root: u32,
-    ray: &Ray,
-    local: Local,
-    depth: f64,
-    found: Found,
-) -> Result<Option<Fragment>, Fault> {
+    hit: Hit,
+    sample: &mut Sample,
+) -> Result<(), Fault> {
+    let Hit { ray, local, depth, found } = hit;
     let mut way = Way { local, material: None, route: Route::START, frozen: false, matrices: SmallVec::new() };
     let mut state = root;
     let mut built: Option<Box<Cell>>;
@@ -48,12 +56,12 @@ pub(super) fn fragment(
                 built = Some(Box::new(build(store, state)?));
                 match &built {
                     Some(cell) => cell,
-                    None => return Ok(None),
+                    None => return Ok(()),
                 }
             }
         };
         let Some(part) = cell.parts.get(*number as usize) else {
-            return Ok(None);
+            return Ok(());
         };
         way.material = part.material.or(way.material);
         if !way.frozen {
@@ -73,7 +81,7 @@ pub(super) fn fragment(
                 let point = point_in(&way.local, &leaf.leaf_from_cell, depth);
                 let outwards = way.normal(leaf.primitive.normal(point, found.face));
                 let turned = if leaf.solid { found.flipped } else { outwards.dot(ray.direction) > 0.0 };
-                return Ok(Some(Fragment {
+                sample.fragments.push(Fragment {
                     coverage: 1.0,
                     depth,
                     position: ray.at(depth),
@@ -82,12 +90,13 @@ pub(super) fn fragment(
                     route: way.route.hash(),
                     origin: part.origin,
                     site: Site { path: found.path, face: found.face },
-                }));
+                });
+                return Ok(());
             }
-            Named::Node(_) | Named::Boolean(_) => return Ok(None),
+            Named::Node(_) | Named::Boolean(_) => return Ok(()),
         }
     }
-    Ok(None)
+    Ok(())
 }
 
 /// The point at `t` in the frame of a leaf.
@@ -97,8 +106,9 @@ fn point_in(local: &Local, leaf_from_cell: &DAffine3, t: f64) -> DVec3 {
 }
 
 impl Way {
-    /// A normal of the innermost frame in the world: mapped by the transposed inverse of each map on the way (GT95, section 3), which is
-    /// the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
+    /// A normal of the innermost frame in the world: mapped by the transposed inverse of each map on the way (GT95,
+    /// section 3), which is the transposed matrix of the way inwards. The frame of the first cell differs from the
+    /// world's in size only.
     fn normal(&self, inner: DVec3) -> DVec3 {
         let mut normal = inner;
         for inner_from_outer in self.matrices.iter().rev() {

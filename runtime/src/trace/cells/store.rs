@@ -1,12 +1,12 @@
 //! Where states and cells are kept, for all threads.
 //!
-//! **States** get numbers and keep what they expand to. **Cells** live in generations: within one they are only added, so a cell that is
-//! there is found by one atomic load and lives as long as the generation. When a generation has grown to half the budget, an empty one
-//! takes its place; a thread goes over to it between two rays, and the old one ends with its last holder. A cell that no longer fits
-//! while a ray is under way is built for that ray alone.
+//! **States** get numbers and keep what they expand to. **Cells** live in generations: within one they are only
+//! added, so a cell that is there is found by one atomic load and lives as long as the generation. When a generation
+//! has grown to half the budget, an empty one takes its place; a thread goes over to it between two rays, and the old
+//! one ends with its last holder. A cell that no longer fits while a ray is under way is built for that ray alone.
 //!
-//! Expansion is a pure function of the state, cells are built outside all locks, and the first one published wins: no picture depends on what
-//! is kept, or on who built it.
+//! Expansion is a pure function of the state, cells are built outside all locks, and the first one published wins: no
+//! picture depends on what is kept, or on who built it.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -141,16 +141,10 @@ impl<'s> Store<'s> {
     ///
     /// # Errors
     /// What fails in building it.
-    #[inline]
     pub(super) fn cell<'g>(&self, generation: &'g Generation, number: u32) -> Result<Option<&'g Cell>, Fault> {
-        match generation.cells.at(number).get() {
-            Some(cell) => Ok(Some(cell)),
-            None => self.new_cell(generation, number),
+        if let Some(cell) = generation.kept(number) {
+            return Ok(Some(cell));
         }
-    }
-
-    #[cold]
-    fn new_cell<'g>(&self, generation: &'g Generation, number: u32) -> Result<Option<&'g Cell>, Fault> {
         if generation.is_full() {
             return Ok(None);
         }
@@ -186,6 +180,12 @@ impl Generation {
         }
     }
 
+    /// The cell of a state, if it is there.
+    #[inline(always)]
+    pub(super) fn kept(&self, number: u32) -> Option<&Cell> {
+        self.cells.at(number).get().map(AsRef::as_ref)
+    }
+
     /// Whether it has had its share of the budget.
     #[inline]
     pub(super) fn is_full(&self) -> bool {
@@ -193,7 +193,8 @@ impl Generation {
     }
 }
 
-/// A table by number that grows without moving what is in it: chunks of 64, 128, 256, ... entries, made when first looked at.
+/// A table by number that grows without moving what is in it: chunks of 64, 128, 256, ... entries, made when first
+/// looked at.
 #[derive(Debug)]
 struct Chunks<T> {
     chunks: [OnceLock<Box<[T]>>; 27],

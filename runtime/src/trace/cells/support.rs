@@ -1,8 +1,8 @@
 //! Exact boxes: how far what is really there reaches, by branch and bound over the loose bounds.
 //!
-//! The furthest reach in a direction is looked for in that of the states in a state whose loose bounds reach furthest, and so on inwards; then
-//! in the others, unless they cannot reach as far. Of the thousands of parts below a state only those near the extreme point are ever
-//! looked at.
+//! The furthest reach in a direction is looked for in that of the states in a state whose loose bounds reach
+//! furthest, and so on inwards; then in the others, unless they cannot reach as far. Of the thousands of parts below
+//! a state only those near the extreme point are ever looked at.
 
 use glam::{DAffine3, DVec3};
 
@@ -36,7 +36,8 @@ struct Reach<'a, 's> {
 }
 
 impl Store<'_> {
-    /// The box of a state in the frame outside it: never too small, and seldom larger than need be by more than `slack`.
+    /// The box of a state in the frame outside it: never too small, and seldom larger than need be by more than
+    /// `slack`.
     ///
     /// # Errors
     /// What fails in expanding what is below it.

@@ -1,12 +1,13 @@
 //! The search along one ray through cells inside cells, from front to back.
 //!
-//! One stack holds what is still to be looked at, by where the ray comes into its box; another the cells that the ray is in. Only cells
-//! that are not kept, and Booleans, call for a search inside the search.
+//! One stack holds what is still to be looked at, by where the ray comes into its box; another the cells that the ray
+//! is in. Only cells that are not kept, and Booleans, call for a search inside the search.
 
 use super::ask::{Ask, Event, Mark, NONE, Question};
 use super::boolean::{Pieces, Place, lanes};
 use super::build::build;
 use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref};
+use super::deep::deeper;
 use super::kernel::{BoxRay, Kernel, Met, Node, WIDTH};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
@@ -75,7 +76,8 @@ struct Ahead {
     frame: u32,
 }
 
-/// A number of single precision that is not above `x`: it is moved by more than rounding can. If `x` is not a number, neither is it.
+/// A number of single precision that is not above `x`: it is moved by more than rounding can. If `x` is not a number,
+/// neither is it.
 #[inline(always)]
 pub(super) fn f32_below(x: f64) -> f32 {
     (x - x.abs() * SINGLE - f64::from(f32::MIN_POSITIVE)) as f32
@@ -115,10 +117,13 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         // No closure here: only what is inlined is compiled for the kernel's SIMD.
         let boxes = BoxRay::new(start.ray.origin, start.ray.direction);
         let entered = search.enter(ask, start, boxes, NONE);
-        let searched = if entered.is_ok() { search.run(ask) } else { entered };
+        let searched = match entered {
+            Ok(first) => search.run(ask, first),
+            Err(fault) => Err(fault),
+        };
         match searched {
             Ok(()) => Ok(()),
-            Err(fault) => Err(search.led(fault)),
+            Err(fault) => Err(search.led(*fault)),
         }
     }
 
@@ -130,6 +135,9 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         Ok(())
     }
 }
+
+/// What ends a search early. A fault as such is large, and would be moved about at every step.
+type Stop = Box<Fault>;
 
 struct Search<'a, 'b, 's, 'g, K> {
     tracing: &'a Tracing<'b, 's, K>,
@@ -146,72 +154,95 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
 
     /// Goes into a cell.
     #[inline(always)]
-    fn enter(&mut self, ask: &Ask, start: Start<'g>, boxes: BoxRay, part: u32) -> Result<(), Fault> {
+    fn enter(&mut self, ask: &Ask, start: Start<'g>, boxes: BoxRay, part: u32) -> Result<Option<Ahead>, Stop> {
         let Start { cell, state, called, ray, from, levels } = start;
         let frame = self.scratch.frames.len() as u32;
         let start = f32_below(ray.own(0.0));
         self.scratch.frames.push(Frame { cell, ray, boxes, start, part, from, levels, state, called });
         self.tracing.check_depth(levels.saturating_add(cell.levels), called)?;
         let Some(union) = cell.unions.first() else {
-            return Ok(());
+            return Ok(None);
         };
         for what in union.always.iter().rev() {
             self.scratch.ahead.push(Ahead { near: f32::NEG_INFINITY, what: *what, frame });
         }
-        if let Some(root) = union.root
-            && (ray.is_near() || !self.tracing.cull)
-        {
-            self.node(ask, frame, root);
+        match union.root {
+            Some(root) if ray.is_near() || !self.tracing.cull => Ok(self.node(ask, frame, root)),
+            _ => Ok(None),
         }
-        Ok(())
     }
 
+    /// Looks at `first`, if there is one, and at all that is ahead.
     #[inline(always)]
-    fn run(&mut self, ask: &mut Ask) -> Result<(), Fault> {
-        while let Some(Ahead { near, what, frame: number }) = self.scratch.ahead.pop() {
+    fn run(&mut self, ask: &mut Ask, first: Option<Ahead>) -> Result<(), Stop> {
+        let mut next = first;
+        loop {
+            let Some(Ahead { what, frame: number, .. }) = next.or_else(|| self.pop(ask)) else {
+                return Ok(());
+            };
             ask.step(self.tracing.store.limits.steps)?;
             self.scratch.frames.truncate(number as usize + 1);
             let Some(frame) = self.scratch.frames.last() else {
                 return Ok(());
             };
-            if near > end(ask, &frame.ray) && self.tracing.cull {
-                continue;
-            }
             let cell = frame.cell;
+            next = None;
             match what.named() {
-                Named::Node(node) => self.node(ask, number, node),
+                Named::Node(node) => next = self.node(ask, number, node),
                 Named::Leaf(leaf) => self.leaf(ask, &cell.leaves[leaf as usize]),
-                Named::Instance(instance) => self.instance(ask, &cell.instances[instance as usize])?,
+                Named::Instance(instance) => next = self.instance(ask, &cell.instances[instance as usize])?,
                 Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
             }
             if ask.over {
                 return Ok(());
             }
         }
-        Ok(())
     }
 
-    /// Puts what the ray meets in a node on the stack, the nearest on top.
+    /// What is to be looked at next of all that lies ahead, and not behind what has been found.
     #[inline(always)]
-    fn node(&mut self, ask: &Ask, number: u32, node: u32) {
+    fn pop(&mut self, ask: &Ask) -> Option<Ahead> {
+        while let Some(ahead) = self.scratch.ahead.pop() {
+            let frame = self.scratch.frames.get(ahead.frame as usize)?;
+            if !(self.tracing.cull && ahead.near > end(ask, &frame.ray)) {
+                return Some(ahead);
+            }
+        }
+        None
+    }
+
+    /// Gives the nearest of what the ray meets in a node, and puts the rest on the stack, the nearest on top.
+    #[inline(always)]
+    fn node(&mut self, ask: &Ask, number: u32, node: u32) -> Option<Ahead> {
         let Scratch { frames, ahead } = &mut *self.scratch;
-        let Some(frame) = frames.last() else {
-            return;
-        };
+        let frame = frames.last()?;
         let node = &frame.cell.nodes[node as usize];
         let to = end(ask, &frame.ray);
         let (bits, near) = meet(self.tracing.kernel, self.tracing.cull, node, &frame.boxes, frame.start, to);
+        let mut lanes = lanes(bits).map(
+            #[inline(always)]
+            |lane| Ahead { near: near[lane], what: node.inside[lane], frame: number },
+        );
+        let mut nearest = lanes.next()?;
+        if ask.question == Question::Any {
+            // Any hit will do, so no order is better than another.
+            ahead.extend(lanes);
+            return Some(nearest);
+        }
         let bottom = ahead.len();
-        for lane in lanes(bits) {
-            let next = Ahead { near: near[lane], what: node.inside[lane], frame: number };
+        for mut other in lanes {
+            if other.near < nearest.near {
+                std::mem::swap(&mut nearest, &mut other);
+            }
             let mut place = ahead.len();
-            ahead.push(next);
-            while place > bottom && ahead[place - 1].near < next.near {
+            ahead.push(other);
+            while place > bottom && ahead[place - 1].near < other.near {
                 ahead[place] = ahead[place - 1];
                 place -= 1;
             }
-            ahead[place] = next;
+            ahead[place] = other;
         }
+        Some(nearest)
     }
 
     #[inline(always)]
@@ -229,8 +260,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// The leaf on whose surface the ray starts: t is counted from the start, so that the surface is met at exactly 0.
     #[cold]
     fn leaf_from(&self, ask: &mut Ask, frame: &Frame, leaf: &Leaf) {
-        let face = ask.from_face();
-        self.meet_leaf(ask, leaf, &frame.ray.from_start(), face);
+        let face = ask.start_face();
+        self.meet_leaf(ask, leaf, &frame.ray.counted_from_start(), face);
     }
 
     #[inline(always)]
@@ -256,9 +287,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     }
 
     #[inline(always)]
-    fn instance(&mut self, ask: &mut Ask, instance: &Instance) -> Result<(), Fault> {
+    fn instance(&mut self, ask: &mut Ask, instance: &Instance) -> Result<Option<Ahead>, Stop> {
         let Some(frame) = self.scratch.frames.last() else {
-            return Ok(());
+            return Ok(None);
         };
         let part = &frame.cell.parts[instance.part as usize];
         let (ray, _) = frame.ray.entered(&instance.way);
@@ -269,40 +300,54 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         };
         let levels = frame.levels + part.levels;
         let from = if frame.from == instance.part {
-            ask.from_part(ask.prefix.len() + self.scratch.frames.len())
+            ask.start_part(ask.prefix.len() + self.scratch.frames.len())
         } else {
             NONE
         };
-        let tracing = self.tracing;
         let (state, called) = (instance.state, part.origin);
-        match tracing.store.cell(self.generation, state) {
-            Ok(Some(cell)) => self.enter(ask, Start { cell, state, called, ray, from, levels }, boxes, instance.part),
-            Ok(None) => self.apart(ask, instance.part, Passage { state, called, ray, from, levels }),
-            Err(fault) => Err(led_by(fault, std::iter::once(tracing.store.step(state, called)))),
+        let cell = match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => self.made(state, called)?,
+        };
+        match cell {
+            Some(cell) => self.enter(ask, Start { cell, state, called, ray, from, levels }, boxes, instance.part),
+            None => self.apart(ask, instance.part, &Passage { state, called, ray, from, levels }).map(|()| None),
         }
+    }
+
+    /// A cell that is not there yet; none if there is no room to keep it.
+    #[cold]
+    #[inline(never)]
+    fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
+        let store = self.tracing.store;
+        let made = store.cell(self.generation, state);
+        made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(state, called)))))
     }
 
     /// Goes through a cell that there is no room to keep.
     #[cold]
     #[inline(never)]
-    fn apart(&self, ask: &mut Ask, part: u32, passage: Passage) -> Result<(), Fault> {
-        let Passage { state, called, ray, from, levels } = passage;
-        let cell = build(self.tracing.store, state)?;
+    fn apart(&self, ask: &mut Ask, part: u32, passage: &Passage) -> Result<(), Stop> {
+        let Passage { state, called, ray, from, levels } = *passage;
+        let store = self.tracing.store;
+        let cell = build(store, state).map_err(|fault| led_by(fault, std::iter::once(store.step(state, called))))?;
         let before = ask.prefix.len();
         ask.prefix.extend(self.way().chain([part]));
-        let mut scratch = Scratch::default();
         let start = Start { cell: &cell, state, called, ray, from, levels };
         let (tracing, generation) = (self.tracing, self.generation);
-        let found = tracing.kernel.vectorize(
-            #[inline(always)]
-            || tracing.search(generation, &mut scratch, ask, start),
-        );
+        let found = deeper(ask, |ask| {
+            let mut scratch = Scratch::default();
+            tracing.kernel.vectorize(
+                #[inline(always)]
+                || tracing.search(generation, &mut scratch, ask, start),
+            )
+        });
         ask.prefix.truncate(before);
-        found
+        Ok(found?)
     }
 
     #[inline(never)]
-    fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Fault> {
+    fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Stop> {
         let Some(frame) = self.scratch.frames.last() else {
             return Ok(());
         };

@@ -1,0 +1,33 @@
+//! Searches inside searches, however deep.
+
+use std::thread;
+
+use super::ask::Ask;
+use crate::fault::{Fault, FaultKind, Limit};
+use crate::form::Origin;
+
+/// Searches inside one another on one stack.
+const ON_ONE_STACK: u32 = 64;
+/// Bytes of the stack for that many: far more than they take.
+const STACK: usize = 4 << 20;
+
+/// Does something one search further inside. So that no stack overflows, whatever its size, every so often it goes on
+/// on another.
+///
+/// # Errors
+/// What `go` gives, or the limit of depth if there can be no other stack.
+pub(super) fn deeper<R: Send>(ask: &mut Ask, go: impl FnOnce(&mut Ask) -> Result<R, Fault> + Send) -> Result<R, Fault> {
+    ask.nested += 1;
+    let result = if ask.nested.is_multiple_of(ON_ONE_STACK) { on_another_stack(ask, go) } else { go(ask) };
+    ask.nested -= 1;
+    result
+}
+
+fn on_another_stack<R: Send>(ask: &mut Ask, go: impl FnOnce(&mut Ask) -> Result<R, Fault> + Send) -> Result<R, Fault> {
+    let most = u64::from(ask.nested);
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || go(ask));
+        let result = thread.ok().and_then(|it| it.join().ok());
+        result.unwrap_or_else(|| Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most }, Origin::NONE)))
+    })
+}

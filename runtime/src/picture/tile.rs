@@ -38,6 +38,8 @@ pub(super) enum Stop {
 /// Paints one tile after another, and keeps its buffers.
 pub(super) struct Painter<'a> {
     setting: Setting<'a>,
+    /// The places of a whole tile, in the order in which they are painted.
+    order: Vec<(u32, u32)>,
     pixels: Vec<Pixel>,
     active: Vec<u32>,
     keys: Vec<Key>,
@@ -51,6 +53,7 @@ impl<'a> Painter<'a> {
     pub(super) fn new(setting: Setting<'a>) -> Self {
         Self {
             setting,
+            order: along_z(setting.view.tile),
             pixels: Vec::new(),
             active: Vec::new(),
             keys: Vec::new(),
@@ -71,8 +74,11 @@ impl<'a> Painter<'a> {
     /// # Errors
     /// The fault of the rectangle's lowest pixel that meets one; or the watch's wish.
     pub(super) fn paint(&mut self, rect: &Rect) -> Result<&[Pixel], Stop> {
-        let (x, y) = (rect.x, rect.y);
-        match self.run(along_z(rect.width, rect.height).map(|(dx, dy)| (x + dx, y + dy))) {
+        let order = std::mem::take(&mut self.order);
+        let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
+        let result = self.run(inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)));
+        self.order = order;
+        match result {
             Ok(()) => Ok(&self.pixels),
             Err(Stop::Interrupted) => Err(Stop::Interrupted),
             Err(Stop::Fault(pixel, fault)) => Err(self.lowest(rect, pixel, fault)),
@@ -193,10 +199,11 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// The places of a rectangle along a Z-curve, so that the rays of a packet lie close together.
-fn along_z(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
-    let side = u64::from(width.max(height).next_power_of_two());
-    (0..side * side).map(|code| (even_bits(code), even_bits(code >> 1))).filter(move |(x, y)| *x < width && *y < height)
+/// The places of a square along a Z-curve, so that the rays of a batch lie close together.
+fn along_z(side: u32) -> Vec<(u32, u32)> {
+    let whole = u64::from(side.next_power_of_two());
+    let places = (0..whole * whole).map(|code| (even_bits(code), even_bits(code >> 1)));
+    places.filter(|(x, y)| *x < side && *y < side).collect()
 }
 
 /// The bits 0, 2, 4, ... of a number below 2^32, side by side: halves of ever larger groups move together.
@@ -214,10 +221,10 @@ mod tests {
 
     #[test]
     fn a_z_curve_goes_through_each_place_once_and_through_blocks_of_four() {
-        let places: Vec<(u32, u32)> = along_z(5, 3).collect();
+        let places = along_z(5);
         assert_eq!(places[..5], [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0)]);
         let mut sorted = places.clone();
         sorted.sort_unstable_by_key(|(x, y)| (*y, *x));
-        assert_eq!(sorted, (0..15).map(|it| (it % 5, it / 5)).collect::<Vec<_>>());
+        assert_eq!(sorted, (0..25).map(|it| (it % 5, it / 5)).collect::<Vec<_>>());
     }
 }

@@ -317,6 +317,10 @@ impl Search<'_, '_> {
         for _ in 0..24 {
             reached = step(&reached)?;
         }
+        if reached.iter().all(|it| it.bounds.is_empty()) {
+            // Round and round, and never a primitive: there is nothing that could be drawn.
+            return Ok(None);
+        }
         let mut factor = 1.0 + 1e-3;
         // Up to 2^40 times as far. Further out, adding what a step of the cycle moves by would be lost in rounding.
         for _ in 0..50 {

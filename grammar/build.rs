@@ -3,7 +3,5 @@
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    lalrpop::Configuration::new()
-        .use_cargo_dir_conventions()
-        .process()
+    lalrpop::Configuration::new().use_cargo_dir_conventions().process()
 }

@@ -40,7 +40,8 @@ fn arguments_and_assignments_are_two_notations_for_one_graph() {
 
 #[test]
 fn what_a_c_node_assigns_holds_below_it_and_nowhere_else() {
-    let leaking_would_show = "csg S { var r = 1; start { r = .3 } move(-1,0,0) ball | move(1,0,0) ball; ball -> uscale(r) sphere; }";
+    let leaking_would_show =
+        "csg S { var r = 1; start { r = .3 } move(-1,0,0) ball | move(1,0,0) ball; ball -> uscale(r) sphere; }";
     let plain = "csg S { start move(-1,0,0) uscale(.3) sphere | move(1,0,0) sphere; }";
     let in_order = "csg S { var r = .15, k = 2; start { r = r * k; k = 100 } move(-1,0,0) uscale(r) sphere | move(1,0,0) sphere; }";
     assert_same(&[leaking_would_show, plain, in_order]);
@@ -72,9 +73,14 @@ fn draws_do_not_change_with_comments_layout_or_rules_added_elsewhere() {
 
 #[test]
 fn draws_change_with_the_seed_the_call_and_the_copy() {
-    assert_different(&format!("{DRAWS} scene {{ show S(seed: 1); }}"), &format!("{DRAWS} scene {{ show S(seed: 2); }}"));
+    assert_different(
+        &format!("{DRAWS} scene {{ show S(seed: 1); }}"),
+        &format!("{DRAWS} scene {{ show S(seed: 2); }}"),
+    );
     // Two calls in one scene are two plants; with a seed they are one plant twice.
-    let twice = |call: &str| format!("{DRAWS} scene {{ show move(0,0,-.7) uscale(.5) {call} | move(0,0,1) uscale(.5) {call}; }}");
+    let twice = |call: &str| {
+        format!("{DRAWS} scene {{ show move(0,0,-.7) uscale(.5) {call} | move(0,0,1) uscale(.5) {call}; }}")
+    };
     let halves = |text: &str| {
         let seen = by_the_book(text);
         seen.iter().flatten().count()
@@ -87,15 +93,18 @@ fn draws_change_with_the_seed_the_call_and_the_copy() {
 #[test]
 fn a_seed_begins_a_new_path_so_the_same_plant_stands_everywhere() {
     let straight = format!("{DRAWS} scene {{ show S(seed: 3); }}");
-    let through_another = format!("{DRAWS} csg Garden {{ start bed(2); bed(n) -> S(seed: n + 1); }} scene {{ show Garden(); }}");
+    let through_another =
+        format!("{DRAWS} csg Garden {{ start bed(2); bed(n) -> S(seed: n + 1); }} scene {{ show Garden(); }}");
     assert_same(&[&straight, &through_another]);
 }
 
 #[test]
 fn one_variant_makes_all_copies_alike() {
     let copies = |prefix: &str| {
-        format!("csg P {{ start uscale(random(.2, .9)) sphere; }}
-                 scene {{ show repeat 3 as i {{ move(i - 1, 0, 0) {prefix} P() }}; }}")
+        format!(
+            "csg P {{ start uscale(random(.2, .9)) sphere; }}
+                 scene {{ show repeat 3 as i {{ move(i - 1, 0, 0) {prefix} P() }}; }}"
+        )
     };
     let alike = by_the_book(&copies("variant(1)"));
     assert!(alike != by_the_book(&copies("")));
@@ -139,6 +148,7 @@ fn a_let_of_a_system_is_found_once_and_a_fn_draws_anew_at_each_call() {
         "csg S { fn f(x) = x + .2; let r = f(.5); start move(-1,0,0) uscale(f(.5)) sphere | move(1,0,0) uscale(r) sphere; }",
     ]);
     let same = "csg S { let r = random(.3, .9); start move(-1,0,0) uscale(r) sphere | move(1,0,0) uscale(r) sphere; }";
-    let anew = "csg S { fn r() = random(.3, .9); start move(-1,0,0) uscale(r()) sphere | move(1,0,0) uscale(r()) sphere; }";
+    let anew =
+        "csg S { fn r() = random(.3, .9); start move(-1,0,0) uscale(r()) sphere | move(1,0,0) uscale(r()) sphere; }";
     assert_different(same, anew);
 }

@@ -13,7 +13,7 @@ pub(crate) enum FieldType {
     Vector(u8),
     /// Three parts from 0 to 1.
     Color,
-    /// Two whole numbers, at least 1.
+    /// Two whole numbers from 1 to [`MOST_SIDE`].
     Size,
     /// A list of numbers.
     Numbers,
@@ -36,6 +36,9 @@ pub(crate) enum FieldType {
     /// A call of a system.
     Surface,
 }
+
+/// How many pixels a side of a picture may have: with any more, a picture one pixel high would be beyond the limit on them all.
+pub(crate) const MOST_SIDE: f64 = (1u64 << 26) as f64;
 
 /// A field of a record.
 #[derive(Clone, Copy, Debug)]

@@ -364,9 +364,7 @@ pub struct Path {
 impl Path {
     /// Where it stands.
     pub fn span(&self) -> Span {
-        self.qualifier
-            .as_ref()
-            .map_or(self.name.span, |it| it.span.to(self.name.span))
+        self.qualifier.as_ref().map_or(self.name.span, |it| it.span.to(self.name.span))
     }
 }
 

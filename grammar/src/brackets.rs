@@ -46,11 +46,7 @@ pub(crate) fn balance<'a>(
             None => repair.out.extend_from_slice(segment),
             Some(surplus) => {
                 repair.surplus = surplus;
-                repair.segment(
-                    segment,
-                    rest.first()
-                        .map_or((length, length), |it| (it.start, it.end)),
-                );
+                repair.segment(segment, rest.first().map_or((length, length), |it| (it.start, it.end)));
             }
         }
     }
@@ -93,8 +89,7 @@ impl Surplus {
             } else if it.token.is_closer() {
                 in_order &= closers.pop() == Some(it.token);
             }
-            braces +=
-                i64::from(it.token == Token::OpenCurly) - i64::from(it.token == Token::CloseCurly);
+            braces += i64::from(it.token == Token::OpenCurly) - i64::from(it.token == Token::CloseCurly);
         }
         match braces {
             _ if in_order && closers.is_empty() => None,
@@ -194,12 +189,7 @@ impl<'a> Repair<'a, '_> {
     /// Takes note of the first word of a member.
     fn begin_member(&mut self, token: Token<'a>) {
         let among_members = self.open.last().is_some_and(|it| it.holds_members);
-        let may_begin = |it: &Placed<'_>| {
-            matches!(
-                it.token,
-                Token::Semicolon | Token::OpenCurly | Token::CloseCurly
-            )
-        };
+        let may_begin = |it: &Placed<'_>| matches!(it.token, Token::Semicolon | Token::OpenCurly | Token::CloseCurly);
         if among_members && self.out.last().is_some_and(may_begin) {
             self.member = Some(token);
         }
@@ -207,22 +197,13 @@ impl<'a> Repair<'a, '_> {
 
     fn brace(&mut self, it: &Placed<'a>) {
         let is_system = matches!(self.kind, Some(Token::Csg | Token::Shape | Token::Hull));
-        if is_system
-            && self
-                .open
-                .first()
-                .is_some_and(|it| it.closer != Token::CloseCurly)
-        {
+        if is_system && self.open.first().is_some_and(|it| it.closer != Token::CloseCurly) {
             // The head of a system has no braces, so its parentheses end here.
             self.unclosed((it.start, it.end));
             self.close_down_to(0);
         }
         let begins_record = self.out.last().is_some_and(|it| it.token.is_name());
-        if self.kind == Some(Token::Scene)
-            && self.surplus == Surplus::Opening
-            && self.open.len() > 1
-            && begins_record
-        {
+        if self.kind == Some(Token::Scene) && self.surplus == Surplus::Opening && self.open.len() > 1 && begins_record {
             // A record stands in the scene itself, so the one before ends here.
             let name = self.out.pop();
             self.unclosed((it.start, it.end));
@@ -243,14 +224,7 @@ impl<'a> Repair<'a, '_> {
         let is_body = it.token == Token::OpenCurly && std::mem::take(&mut self.pending);
         let place = Span::new(self.file, it.start, it.end);
         let (at, indent) = (self.out.len(), self.indent);
-        self.open.push(Open {
-            place,
-            closer,
-            at,
-            indent,
-            holds_members,
-            is_body,
-        });
+        self.open.push(Open { place, closer, at, indent, holds_members, is_body });
         *self.counts.of(closer) += 1;
         self.push(it);
     }
@@ -261,8 +235,8 @@ impl<'a> Repair<'a, '_> {
             return self.drop_closer(it);
         }
         if fits && it.token == Token::CloseCurly {
-            let goes_on = it.start < self.last_word
-                && next.is_some_and(|it| !matches!(it.token, Token::Let | Token::Fn));
+            let goes_on =
+                it.start < self.last_word && next.is_some_and(|it| !matches!(it.token, Token::Let | Token::Fn));
             if self.surplus == Surplus::Closing && self.open.len() == 1 && goes_on {
                 return self.drop_closer(it);
             }
@@ -283,18 +257,8 @@ impl<'a> Repair<'a, '_> {
     /// Closes what was opened on lines that are indented deeper than the one that `brace` seems to belong to.
     fn close_deeper_than(&mut self, brace: &Placed<'a>) {
         let column = brace.start - brace.line;
-        let deeper = self
-            .open
-            .iter()
-            .rev()
-            .take(MAX_NESTING)
-            .take_while(|open| open.indent > column)
-            .count();
-        let partner = self
-            .open
-            .len()
-            .checked_sub(deeper + 1)
-            .and_then(|at| self.open.get(at));
+        let deeper = self.open.iter().rev().take(MAX_NESTING).take_while(|open| open.indent > column).count();
+        let partner = self.open.len().checked_sub(deeper + 1).and_then(|at| self.open.get(at));
         if deeper > 0 && partner.is_some_and(|it| it.indent == column && it.closer == brace.token) {
             self.unclosed((brace.start, brace.end));
             for _ in 0..deeper {
@@ -304,35 +268,21 @@ impl<'a> Repair<'a, '_> {
     }
 
     fn semicolon(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
-        if self
-            .open
-            .last()
-            .is_some_and(|open| open.closer != Token::CloseCurly)
-        {
+        if self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
             self.unclosed((it.start, it.end));
-            while self
-                .open
-                .last()
-                .is_some_and(|open| open.closer != Token::CloseCurly)
-            {
+            while self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
                 self.put_in_closer();
             }
         }
         let goes_on = next.is_some_and(|it| it.token != Token::CloseCurly);
-        if self.surplus == Surplus::Opening
-            && goes_on
-            && self.open.last().is_some_and(|open| open.is_body)
-        {
+        if self.surplus == Surplus::Opening && goes_on && self.open.last().is_some_and(|open| open.is_body) {
             self.unclosed((it.start, it.end));
             while self.open.last().is_some_and(|open| open.is_body) {
                 self.put_in_closer();
             }
         }
         if self.open.last().is_none_or(|open| open.holds_members) {
-            self.forgiven = Counts {
-                curly: self.forgiven.curly,
-                ..Counts::default()
-            };
+            self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
         }
         self.separator = Some(self.out.len());
         self.push(it);
@@ -345,8 +295,7 @@ impl<'a> Repair<'a, '_> {
             self.close_to_members(it, is_arrow);
         }
         let in_group = self.open.len() == 2 && self.open.last().is_some_and(|it| it.holds_members);
-        let in_record =
-            self.kind == Some(Token::Scene) && it.token == Token::Show && self.open.len() > 1;
+        let in_record = self.kind == Some(Token::Scene) && it.token == Token::Show && self.open.len() > 1;
         if self.surplus == Surplus::Opening && (begins_member && in_group || in_record) {
             // Neither has a place in a group of rules or in a record.
             self.unclosed((it.start, it.end));
@@ -390,10 +339,7 @@ impl<'a> Repair<'a, '_> {
             self.unclosed(after);
         }
         self.close_down_to(0);
-        self.forgiven = Counts {
-            curly: self.forgiven.curly,
-            ..Counts::default()
-        };
+        self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
         (self.pending, self.separator, self.just_dropped) = (false, None, false);
     }
 
@@ -419,12 +365,7 @@ impl<'a> Repair<'a, '_> {
         let Some(open) = self.pop() else { return };
         *self.forgiven.of(open.closer) += 1;
         if let Some(last) = self.out.last().copied() {
-            self.out.push(Placed {
-                token: open.closer,
-                start: last.end,
-                leads: false,
-                ..last
-            });
+            self.out.push(Placed { token: open.closer, start: last.end, leads: false, ..last });
         }
     }
 
@@ -434,9 +375,7 @@ impl<'a> Repair<'a, '_> {
         if *forgiven > 0 {
             *forgiven -= 1;
         } else if !self.just_dropped {
-            let kind = SyntaxErrorKind::UnopenedBracket {
-                close: letter(it.token),
-            };
+            let kind = SyntaxErrorKind::UnopenedBracket { close: letter(it.token) };
             self.report((it.start, it.end), kind, Some((it.start, it.start)));
         }
         self.just_dropped = true;
@@ -447,38 +386,15 @@ impl<'a> Repair<'a, '_> {
         let Some(open) = self.open.last().copied() else {
             return;
         };
-        let kind = SyntaxErrorKind::UnclosedBracket {
-            open: open.place,
-            close: letter(open.closer),
-        };
-        let until = self
-            .out
-            .last()
-            .map_or(found.0, |it| it.end)
-            .saturating_sub(1);
-        self.report(
-            found,
-            kind,
-            (!open.holds_members).then_some((open.place.start, until)),
-        );
+        let kind = SyntaxErrorKind::UnclosedBracket { open: open.place, close: letter(open.closer) };
+        let until = self.out.last().map_or(found.0, |it| it.end).saturating_sub(1);
+        self.report(found, kind, (!open.holds_members).then_some((open.place.start, until)));
     }
 
-    fn report(
-        &mut self,
-        (start, end): (u32, u32),
-        kind: SyntaxErrorKind,
-        confuses: Option<(u32, u32)>,
-    ) {
+    fn report(&mut self, (start, end): (u32, u32), kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {
         if self.findings.len() < MAX_ERRORS {
-            let error = SyntaxError {
-                span: Span::new(self.file, start, end),
-                kind,
-            };
-            self.findings.push(Finding {
-                error,
-                confuses,
-                item: Some(self.item),
-            });
+            let error = SyntaxError { span: Span::new(self.file, start, end), kind };
+            self.findings.push(Finding { error, confuses, item: Some(self.item) });
         }
     }
 }

@@ -40,12 +40,7 @@ pub(crate) struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub(crate) fn new(file: FileId, docs: Vec<(u32, String)>, progress: &'a Progress) -> Self {
-        Self {
-            file,
-            docs,
-            progress,
-            mistakes: Vec::new(),
-        }
+        Self { file, docs, progress, mistakes: Vec::new() }
     }
 
     fn step(&self) {
@@ -61,11 +56,7 @@ impl<'a> Context<'a> {
     /// The doc comment above what begins at `start`.
     pub(crate) fn doc(&mut self, start: u32) -> String {
         match self.docs.binary_search_by_key(&start, |it| it.0) {
-            Ok(at) => self
-                .docs
-                .get_mut(at)
-                .map(|it| std::mem::take(&mut it.1))
-                .unwrap_or_default(),
+            Ok(at) => self.docs.get_mut(at).map(|it| std::mem::take(&mut it.1)).unwrap_or_default(),
             Err(_) => String::new(),
         }
     }
@@ -73,21 +64,12 @@ impl<'a> Context<'a> {
     /// Takes note of a mistake from which the parser has recovered.
     ///
     /// It has left out the text from `start` to `end`.
-    pub(crate) fn mistake(
-        &mut self,
-        start: u32,
-        recovery: ErrorRecovery<u32, Token<'a>, Infallible>,
-        end: u32,
-    ) {
+    pub(crate) fn mistake(&mut self, start: u32, recovery: ErrorRecovery<u32, Token<'a>, Infallible>, end: u32) {
         self.problem(recovery.error, (start, end));
     }
 
     /// Takes note of a mistake.
-    pub(crate) fn problem(
-        &mut self,
-        error: ParseError<u32, Token<'a>, Infallible>,
-        lost: (u32, u32),
-    ) {
+    pub(crate) fn problem(&mut self, error: ParseError<u32, Token<'a>, Infallible>, lost: (u32, u32)) {
         let (found, expected) = match error {
             ParseError::UnrecognizedToken { token, expected } => (Some(token), expected),
             ParseError::ExtraToken { token } => (Some(token), Vec::new()),
@@ -97,31 +79,18 @@ impl<'a> Context<'a> {
         };
         self.progress.mistakes.set(self.progress.mistakes.get() + 1);
         self.step();
-        self.mistakes.push(Mistake {
-            found,
-            expected,
-            lost,
-        });
+        self.mistakes.push(Mistake { found, expected, lost });
     }
 
     /// Stands for a value that could not be read.
     pub(crate) fn no_value(&self, start: u32, end: u32) -> Expr {
-        Expr {
-            span: self.span(start, end),
-            kind: ExprKind::Error,
-        }
+        Expr { span: self.span(start, end), kind: ExprKind::Error }
     }
 
     /// Stands for a successor that could not be read.
     pub(crate) fn no_solid(&self, start: u32, end: u32) -> Solid {
         let span = self.span(start, end);
-        Solid {
-            span,
-            kind: SolidKind::Chain(vec![Term {
-                span,
-                kind: TermKind::Error,
-            }]),
-        }
+        Solid { span, kind: SolidKind::Chain(vec![Term { span, kind: TermKind::Error }]) }
     }
 
     /// An operator before a value.
@@ -132,33 +101,18 @@ impl<'a> Context<'a> {
 
     /// Operators before a value.
     pub(crate) fn unary(&self, start: u32, ops: Vec<UnaryOp>, operand: Expr, end: u32) -> Expr {
-        Expr {
-            span: self.span(start, end),
-            kind: ExprKind::Unary {
-                ops,
-                operand: Box::new(operand),
-            },
-        }
+        Expr { span: self.span(start, end), kind: ExprKind::Unary { ops, operand: Box::new(operand) } }
     }
 
     /// Operators of one level between values.
     pub(crate) fn binary(&self, start: u32, (first, rest): Operands, end: u32) -> Expr {
-        Expr {
-            span: self.span(start, end),
-            kind: ExprKind::Binary {
-                first: Box::new(first),
-                rest,
-            },
-        }
+        Expr { span: self.span(start, end), kind: ExprKind::Binary { first: Box::new(first), rest } }
     }
 
     /// `a ^ b ^ c`
     pub(crate) fn power(&self, start: u32, mut bases: Vec<Expr>, last: Expr, end: u32) -> Expr {
         bases.push(last);
-        Expr {
-            span: self.span(start, end),
-            kind: ExprKind::Power(bases),
-        }
+        Expr { span: self.span(start, end), kind: ExprKind::Power(bases) }
     }
 }
 

@@ -19,6 +19,12 @@ pub enum SyntaxErrorKind {
         /// How long it is.
         bytes: usize,
     },
+    /// The text is full of zero bytes: it is UTF-16 or UTF-32. Nothing of it was read.
+    WideCharacters,
+    /// A name is longer than [`MAX_NAME_BYTES`](crate::MAX_NAME_BYTES); the tree has only its beginning.
+    NameTooLong,
+    /// A quoted text is longer than [`MAX_TEXT_BYTES`](crate::MAX_TEXT_BYTES); in the tree it is empty.
+    TextTooLong,
     /// Brackets, `if`s and signs of exponents are nested deeper than [`MAX_NESTING`](crate::MAX_NESTING).
     NestingTooDeep,
     /// [`MAX_ERRORS`](crate::MAX_ERRORS) were found; what follows here was not read.

@@ -57,19 +57,14 @@ fn special_kind(situation: &Situation<'_>, expected: &Expected<'_>) -> Option<Sy
         return Some(SyntaxErrorKind::MissingComma);
     }
     if expected.has("name") {
-        return found
-            .reserved_word()
-            .map(|word| SyntaxErrorKind::ReservedWord { word });
+        return found.reserved_word().map(|word| SyntaxErrorKind::ReservedWord { word });
     }
     None
 }
 
 fn is_comparison(token: Token<'_>) -> bool {
     use Token::{Equal, Greater, GreaterEqual, Less, LessEqual, NotEqual};
-    matches!(
-        token,
-        Equal | NotEqual | Less | LessEqual | Greater | GreaterEqual
-    )
+    matches!(token, Equal | NotEqual | Less | LessEqual | Greater | GreaterEqual)
 }
 
 fn begins_value(token: Token<'_>) -> bool {
@@ -86,10 +81,7 @@ fn begins_value(token: Token<'_>) -> bool {
 }
 
 fn begins_solid(token: Token<'_>) -> bool {
-    matches!(
-        token,
-        Token::Name(_) | Token::OpenRound | Token::OpenSquare | Token::OpenCurly | Token::Repeat
-    )
+    matches!(token, Token::Name(_) | Token::OpenRound | Token::OpenSquare | Token::OpenCurly | Token::Repeat)
 }
 
 /// The tokens that the grammar has a place for.
@@ -98,38 +90,12 @@ struct Expected<'t>(Vec<&'t str>);
 /// Sets of tokens that have a name together: a token that tells the set, what users call it, and its other members.
 /// The first that is told takes its tokens away from those after it.
 const GROUPS: &[(&str, &str, &[&str])] = &[
-    (
-        "number",
-        "a value",
-        &["name", "text", "true", "false", "(", "[", "-", "not", "if"],
-    ),
-    (
-        "*",
-        "an operator",
-        &[
-            "or", "and", "==", "!=", "<", "<=", ">", ">=", "+", "-", "/", "%", "^", ".", "(", "[",
-        ],
-    ),
-    (
-        "+",
-        "an operator",
-        &["or", "and", "==", "!=", "<", "<=", ">", ">=", "-"],
-    ),
+    ("number", "a value", &["name", "text", "true", "false", "(", "[", "-", "not", "if"]),
+    ("*", "an operator", &["or", "and", "==", "!=", "<", "<=", ">", ">=", "+", "-", "/", "%", "^", ".", "(", "["]),
+    ("+", "an operator", &["or", "and", "==", "!=", "<", "<=", ">", ">=", "-"]),
     ("repeat", "a solid", &["name", "(", "{", "[", "if", "."]),
-    (
-        "csg",
-        "an item",
-        &[
-            "use", "param", "let", "fn", "enum", "texture", "material", "shape", "hull", "scene",
-        ],
-    ),
-    (
-        "start",
-        "a member",
-        &[
-            "let", "fn", "var", "calc", "select", "derive", "prune", "proxy", "priority", "name",
-        ],
-    ),
+    ("csg", "an item", &["use", "param", "let", "fn", "enum", "texture", "material", "shape", "hull", "scene"]),
+    ("start", "a member", &["let", "fn", "var", "calc", "select", "derive", "prune", "proxy", "priority", "name"]),
 ];
 
 /// The order in which single tokens are told: what closes and separates before what goes on.
@@ -158,17 +124,8 @@ const ORDER: &[&str] = &[
 
 impl<'t> Expected<'t> {
     fn new(names: &'t [String]) -> Self {
-        let names = names.iter().map(|it| {
-            it.strip_prefix('"')
-                .and_then(|it| it.strip_suffix('"'))
-                .unwrap_or(it)
-        });
-        Self(
-            names
-                .map(|it| if it == "\\\\" { "\\" } else { it })
-                .filter(|it| !is_mark(it))
-                .collect(),
-        )
+        let names = names.iter().map(|it| it.strip_prefix('"').and_then(|it| it.strip_suffix('"')).unwrap_or(it));
+        Self(names.map(|it| if it == "\\\\" { "\\" } else { it }).filter(|it| !is_mark(it)).collect())
     }
 
     fn has(&self, name: &str) -> bool {
@@ -184,12 +141,7 @@ impl<'t> Expected<'t> {
                 self.0.retain(|it| it != sign && !others.contains(it));
             }
         }
-        self.0.sort_by_key(|it| {
-            ORDER
-                .iter()
-                .position(|other| other == it)
-                .unwrap_or(ORDER.len())
-        });
+        self.0.sort_by_key(|it| ORDER.iter().position(|other| other == it).unwrap_or(ORDER.len()));
         let mut words: Vec<String> = self.0.iter().map(|it| in_words(it)).collect();
         words.extend(groups);
         words

@@ -30,10 +30,8 @@ pub(crate) fn twin(letter: char) -> Option<&'static str> {
 }
 
 /// The signs and letters of ASCII from `!` on, one after another.
-const PRINTABLE: &str = concat!(
-    "!\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`",
-    "abcdefghijklmnopqrstuvwxyz{|}~"
-);
+const PRINTABLE: &str =
+    concat!("!\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`", "abcdefghijklmnopqrstuvwxyz{|}~");
 
 /// The ASCII character of which `letter` is the full-width form.
 fn full_width(letter: char) -> Option<&'static str> {
@@ -57,11 +55,7 @@ fn look_alike(letter: char) -> Option<&'static str> {
 
 /// Whether `letter` shows nothing, so that leaving it out is what a reader would do.
 pub(crate) fn is_blank(letter: char) -> bool {
-    letter.is_whitespace()
-        || letter.is_control()
-        || is_hidden(letter)
-        || letter == '\u{AD}'
-        || letter == '°'
+    letter.is_whitespace() || letter.is_control() || is_hidden(letter) || letter == '\u{AD}' || letter == '°'
 }
 
 /// Whether `letter` is invisible or changes the direction of text, so that a program may look like another one.

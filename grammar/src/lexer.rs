@@ -8,7 +8,7 @@ use logos::Logos;
 use crate::ast::Comment;
 use crate::error::{NumberProblem, SyntaxError, SyntaxErrorKind};
 use crate::token::Token;
-use crate::{FileId, MAX_ERRORS, Span, foreign, text};
+use crate::{FileId, MAX_ERRORS, MAX_NAME_BYTES, MAX_TEXT_BYTES, Span, foreign, text};
 
 /// A token with its place.
 #[derive(Clone, Copy, Debug)]
@@ -39,11 +39,7 @@ pub(crate) struct Lexed<'a> {
 
 /// Reads the tokens of `text`, which is shorter than 4 GiB.
 pub(crate) fn lex(file: FileId, text: &str) -> Lexed<'_> {
-    let skipped = if text.starts_with('\u{FEFF}') {
-        '\u{FEFF}'.len_utf8()
-    } else {
-        0
-    };
+    let skipped = if text.starts_with('\u{FEFF}') { '\u{FEFF}'.len_utf8() } else { 0 };
     let mut reader = Reader {
         file,
         text,
@@ -85,6 +81,16 @@ impl<'a> Reader<'a> {
         while let Some(token) = self.logos.next() {
             let (start, end) = self.place();
             match token {
+                Ok(Token::Name(name)) if name.len() > MAX_NAME_BYTES => {
+                    self.error(start, start + 1, SyntaxErrorKind::NameTooLong);
+                    // One byte more than a name may have, so that nobody takes it for a name of the program.
+                    let head = self.slice(start, start + MAX_NAME_BYTES + 1);
+                    self.push(Token::Name(head), start, end);
+                }
+                Ok(Token::Text(raw)) if raw.len() > MAX_TEXT_BYTES => {
+                    self.error(start, start + 1, SyntaxErrorKind::TextTooLong);
+                    self.push(Token::Text(""), start, end);
+                }
                 Ok(Token::LineComment) => self.comment(start, end),
                 Ok(Token::BlockComment(ended)) => {
                     self.comment(start, end);
@@ -136,18 +142,10 @@ impl<'a> Reader<'a> {
         }
         self.seen = end;
         if !self.pending_doc.is_empty() {
-            self.found
-                .docs
-                .push((start as u32, std::mem::take(&mut self.pending_doc)));
+            self.found.docs.push((start as u32, std::mem::take(&mut self.pending_doc)));
         }
         let (start, end, line) = (start as u32, end as u32, self.line as u32);
-        self.found.tokens.push(Placed {
-            token,
-            start,
-            end,
-            line,
-            leads,
-        });
+        self.found.tokens.push(Placed { token, start, end, line, leads });
     }
 
     /// Puts the tokens of `twin` where something else stands for it.
@@ -167,8 +165,7 @@ impl<'a> Reader<'a> {
             if !self.pending_doc.is_empty() {
                 self.pending_doc.push('\n');
             }
-            self.pending_doc
-                .push_str(line.strip_prefix(' ').unwrap_or(line).trim_end());
+            self.pending_doc.push_str(line.strip_prefix(' ').unwrap_or(line).trim_end());
         }
     }
 
@@ -181,16 +178,15 @@ impl<'a> Reader<'a> {
     /// Characters that may make a program look like another one are reported even where nothing is read.
     fn hidden_characters(&mut self, start: usize, end: usize) {
         let words = self.slice(start, end);
-        if words.is_ascii() {
-            return;
-        }
-        if let Some((at, found)) = words.char_indices().find(|it| foreign::is_hidden(it.1)) {
-            let at = start + at;
-            self.error(
-                at,
-                at + found.len_utf8(),
-                SyntaxErrorKind::BadCharacter { found, twin: None },
-            );
+        let mut letters = words.char_indices().peekable();
+        while let Some((at, found)) = letters.next() {
+            let ends_line = found == '\r' && letters.peek().is_none_or(|it| it.1 == '\n');
+            let is_control = found.is_control() && !matches!(found, '\t' | '\n') && !ends_line;
+            if is_control || foreign::is_hidden(found) {
+                let at = start + at;
+                let kind = SyntaxErrorKind::BadCharacter { found, twin: None };
+                return self.error(at, at + found.len_utf8(), kind);
+            }
         }
     }
 
@@ -212,20 +208,13 @@ impl<'a> Reader<'a> {
         self.logos.bump(junk.len());
         if !junk.is_empty() {
             let problem = number_problem(self.slice(start, end), junk);
-            if matches!(
-                problem,
-                NumberProblem::TwoPoints | NumberProblem::NothingAfterPoint
-            ) {
+            if matches!(problem, NumberProblem::TwoPoints | NumberProblem::NothingAfterPoint) {
                 // It could be a range with a point too few as well.
                 self.found.doubtful.push(start as u32);
             }
             self.error(start, end + junk.len(), SyntaxErrorKind::BadNumber(problem));
         } else if value.is_infinite() {
-            self.error(
-                start,
-                end,
-                SyntaxErrorKind::BadNumber(NumberProblem::TooLarge),
-            );
+            self.error(start, end, SyntaxErrorKind::BadNumber(NumberProblem::TooLarge));
         }
         let value = if value.is_finite() { value } else { f64::MAX };
         self.push(Token::Number(value), start, end + junk.len());
@@ -240,20 +229,14 @@ impl<'a> Reader<'a> {
             return self.foreign_quotes(found, start, at, mark);
         }
         let twin = foreign::twin(found);
-        self.error(
-            start,
-            start + found.len_utf8(),
-            SyntaxErrorKind::BadCharacter { found, twin },
-        );
+        self.error(start, start + found.len_utf8(), SyntaxErrorKind::BadCharacter { found, twin });
         match twin {
+            _ if self.splits_word(start, found) => self.foreign_word(start),
             _ if foreign::is_blank(found) => self.skip(foreign::is_blank),
             _ if found.is_alphabetic() => self.foreign_word(start),
             Some(twin) if twin != "\"" => self.push_twin(twin, start, start + found.len_utf8()),
             _ => {
-                self.skip(|it| {
-                    it == found
-                        || !it.is_ascii() && !it.is_alphanumeric() && foreign::twin(it).is_none()
-                });
+                self.skip(|it| it == found || !it.is_ascii() && !it.is_alphanumeric() && foreign::twin(it).is_none());
                 self.push(Token::Bad, start, self.place().1);
             }
         }
@@ -262,25 +245,26 @@ impl<'a> Reader<'a> {
     /// Leaves out what follows as long as it is of one kind.
     fn skip(&mut self, kind: impl Fn(char) -> bool) {
         let rest = self.logos.remainder();
-        let length = rest
-            .find(|it| !kind(it) || it == '\n')
-            .unwrap_or(rest.len());
+        let length = rest.find(|it| !kind(it) || it == '\n').unwrap_or(rest.len());
         self.logos.bump(length);
     }
 
-    /// A word with a foreign letter in it is a name, together with the letters before and after.
+    /// Whether something that shows nothing stands within what looks like one word.
+    fn splits_word(&self, start: usize, found: char) -> bool {
+        let shows_nothing = foreign::is_hidden(found) || found.is_control();
+        let goes_on = |it: char| it.is_ascii_alphanumeric() || it == '_';
+        let before = self.found.tokens.last().filter(|it| it.end as usize == start);
+        shows_nothing
+            && before.is_some_and(|it| is_word(self.slice(it.start as usize, start)))
+            && self.logos.remainder().starts_with(goes_on)
+    }
+
+    /// A word with a foreign letter (or something unseen) in it is a name, together with the letters before and after.
     fn foreign_word(&mut self, start: usize) {
         self.skip(|it| it.is_alphanumeric() || it == '_');
         let end = self.place().1;
-        let head = self
-            .found
-            .tokens
-            .last()
-            .copied()
-            .filter(|it| it.end as usize == start);
-        let head = head
-            .map(|it| it.start as usize)
-            .filter(|&at| is_word(self.slice(at, start)));
+        let head = self.found.tokens.last().copied().filter(|it| it.end as usize == start);
+        let head = head.map(|it| it.start as usize).filter(|&at| is_word(self.slice(at, start)));
         match head {
             Some(at) => {
                 if let Some(last) = self.found.tokens.last_mut() {
@@ -299,11 +283,7 @@ impl<'a> Reader<'a> {
         self.logos.bump(at + mark);
         let twin = Some("\"");
         self.error(start, first, SyntaxErrorKind::BadCharacter { found, twin });
-        self.push(
-            Token::Text(self.slice(first, first + at)),
-            start,
-            first + at + mark,
-        );
+        self.push(Token::Text(self.slice(first, first + at)), start, first + at + mark);
     }
 }
 
@@ -312,10 +292,7 @@ fn closing_quote(open: char, rest: &str) -> Option<(usize, usize)> {
     // Far away is another text's quote.
     const FARTHEST: usize = 200;
     let closing = foreign::closing_quotes(open)?;
-    let line = rest
-        .char_indices()
-        .take(FARTHEST)
-        .take_while(|it| it.1 != '\n');
+    let line = rest.char_indices().take(FARTHEST).take_while(|it| it.1 != '\n');
     let (at, mark) = line.into_iter().find(|it| closing.contains(&it.1))?;
     Some((at, mark.len_utf8()))
 }
@@ -331,8 +308,7 @@ fn junk_after_number(rest: &str) -> &str {
     let mut letters = rest.char_indices().peekable();
     while let Some((at, letter)) = letters.next() {
         let is_range = letter == '.' && letters.peek().is_some_and(|it| it.1 == '.');
-        let touches =
-            letter.is_alphabetic() || letter.is_ascii_digit() || letter == '_' || letter == '.';
+        let touches = letter.is_alphabetic() || letter.is_ascii_digit() || letter == '_' || letter == '.';
         if is_range || !touches {
             break;
         }
@@ -340,13 +316,8 @@ fn junk_after_number(rest: &str) -> &str {
     }
     let junk = rest.get(..length).unwrap_or_default();
     // The sign of an exponent that never comes.
-    let signed =
-        matches!(junk, "e" | "E") && rest.get(1..).is_some_and(|it| it.starts_with(['+', '-']));
-    if signed {
-        rest.get(..2).unwrap_or(junk)
-    } else {
-        junk
-    }
+    let signed = matches!(junk, "e" | "E") && rest.get(1..).is_some_and(|it| it.starts_with(['+', '-']));
+    if signed { rest.get(..2).unwrap_or(junk) } else { junk }
 }
 
 /// What is wrong with `number` when `junk` touches it.
@@ -354,19 +325,11 @@ fn number_problem(number: &str, junk: &str) -> NumberProblem {
     match junk {
         "e" | "E" | "e+" | "e-" | "E+" | "E-" => NumberProblem::NoExponent,
         _ if junk.starts_with('.') => {
-            let has_point = number.contains('.')
-                || junk
-                    .get(1..)
-                    .is_some_and(|it| it.starts_with(|it: char| it.is_ascii_digit()));
-            if has_point {
-                NumberProblem::TwoPoints
-            } else {
-                NumberProblem::NothingAfterPoint
-            }
+            let has_point =
+                number.contains('.') || junk.get(1..).is_some_and(|it| it.starts_with(|it: char| it.is_ascii_digit()));
+            if has_point { NumberProblem::TwoPoints } else { NumberProblem::NothingAfterPoint }
         }
-        _ if number == "0" && junk.starts_with(['x', 'X', 'b', 'B', 'o', 'O']) => {
-            NumberProblem::NotDecimal
-        }
+        _ if number == "0" && junk.starts_with(['x', 'X', 'b', 'B', 'o', 'O']) => NumberProblem::NotDecimal,
         _ => NumberProblem::Letters,
     }
 }

@@ -35,20 +35,15 @@ pub const MAX_SOURCE_BYTES: usize = 4 << 20;
 /// After how many errors the parser gives up.
 pub const MAX_ERRORS: usize = 1000;
 
+/// How long a name may be.
+pub const MAX_NAME_BYTES: usize = 256;
+
+/// How long a quoted text may be.
+pub const MAX_TEXT_BYTES: usize = 64 << 10;
+
 /// What LALRPOP makes of `grammar.lalrpop`.
-#[allow(
-    clippy::all,
-    clippy::unwrap_used,
-    clippy::needless_pass_by_value,
-    clippy::cloned_instead_of_copied
-)]
-#[allow(
-    clippy::semicolon_if_nothing_returned,
-    clippy::panic,
-    unused_imports,
-    unreachable_pub,
-    missing_docs
-)]
+#[allow(clippy::all, clippy::unwrap_used, clippy::needless_pass_by_value, clippy::cloned_instead_of_copied)]
+#[allow(clippy::semicolon_if_nothing_returned, clippy::panic, unused_imports, unreachable_pub, missing_docs)]
 mod grammar {
     lalrpop_util::lalrpop_mod!(inner, "/grammar.rs");
     pub(crate) use inner::FileParser;

@@ -22,49 +22,37 @@ pub struct Parsed {
 
 /// Reads a text.
 pub fn parse(file: FileId, text: &str) -> Parsed {
-    if text.len() > MAX_SOURCE_BYTES {
-        let kind = SyntaxErrorKind::SourceTooLong { bytes: text.len() };
-        let errors = vec![SyntaxError {
-            span: Span::new(file, 0, 0),
-            kind,
-        }];
-        return Parsed {
-            file: ast::File::default(),
-            errors,
-        };
+    let unread = if text.len() > MAX_SOURCE_BYTES {
+        Some(SyntaxErrorKind::SourceTooLong { bytes: text.len() })
+    } else {
+        has_wide_characters(text).then_some(SyntaxErrorKind::WideCharacters)
+    };
+    if let Some(kind) = unread {
+        let errors = vec![SyntaxError { span: Span::new(file, 0, 0), kind }];
+        return Parsed { file: ast::File::default(), errors };
     }
     let mut lexed = lex(file, text);
     let mut findings = Vec::new();
     let balanced = balance(file, text.len() as u32, &lexed.tokens, &mut findings);
-    let statements = mark(
-        file,
-        balanced.as_ref().unwrap_or(&lexed.tokens),
-        &mut findings,
-    );
+    let statements = mark(file, balanced.as_ref().unwrap_or(&lexed.tokens), &mut findings);
 
     let progress = Progress::default();
     let mut context = Context::new(file, std::mem::take(&mut lexed.docs), &progress);
     let stream = Stream::new(&statements.tokens, &progress);
-    let items = grammar::FileParser::new()
-        .parse(&mut context, stream)
-        .unwrap_or_else(|error| {
-            context.problem(error, (0, 0));
-            Vec::new()
-        });
+    let items = grammar::FileParser::new().parse(&mut context, stream).unwrap_or_else(|error| {
+        context.problem(error, (0, 0));
+        Vec::new()
+    });
     let comments = std::mem::take(&mut lexed.comments);
-    let errors = Verdict::new(
-        file,
-        text,
-        &lexed,
-        &statements,
-        &findings,
-        &context.mistakes,
-    )
-    .errors(findings);
-    Parsed {
-        file: ast::File { items, comments },
-        errors,
-    }
+    let errors = Verdict::new(file, text, &lexed, &statements, &findings, &context.mistakes).errors(findings);
+    Parsed { file: ast::File { items, comments }, errors }
+}
+
+/// Whether a text begins as UTF-16 or UTF-32 does when it is read byte by byte: every second byte or more is zero.
+fn has_wide_characters(text: &str) -> bool {
+    let start = text.as_bytes().get(..64).unwrap_or(text.as_bytes());
+    let zeros = start.iter().filter(|it| **it == 0).count();
+    start.len() >= 8 && zeros * 5 >= start.len() * 2
 }
 
 /// Hands tokens to the parser.
@@ -94,16 +82,7 @@ impl<'t, 'a> Stream<'t, 'a> {
     const MOST_COST: usize = 1_000_000;
 
     fn new(tokens: &'t [(u32, Token<'a>, u32)], progress: &'t Progress) -> Self {
-        Self {
-            tokens: tokens.iter(),
-            progress,
-            depth: 0,
-            in_item: false,
-            last: 0,
-            pieces: 0,
-            idle: 0,
-            cost: 0,
-        }
+        Self { tokens: tokens.iter(), progress, depth: 0, in_item: false, last: 0, pieces: 0, idle: 0, cost: 0 }
     }
 
     /// Takes note of a token that is handed out.
@@ -132,11 +111,7 @@ impl<'a> Iterator for Stream<'_, 'a> {
     fn next(&mut self) -> Option<Self::Item> {
         if self.progress.mistakes.get() >= MAX_ERRORS {
             self.tokens = [].iter();
-            return std::mem::take(&mut self.in_item).then_some(Ok((
-                self.last,
-                Token::EndItem,
-                self.last,
-            )));
+            return std::mem::take(&mut self.in_item).then_some(Ok((self.last, Token::EndItem, self.last)));
         }
         loop {
             let token = *self.tokens.next()?;

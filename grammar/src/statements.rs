@@ -40,26 +40,16 @@ impl Statements<'_> {
     /// Where the statement before the one around `offset` ends.
     pub(crate) fn end_before(&self, offset: u32) -> u32 {
         let at = self.ends.partition_point(|&end| end <= offset);
-        at.checked_sub(1)
-            .and_then(|at| self.ends.get(at))
-            .copied()
-            .unwrap_or(0)
+        at.checked_sub(1).and_then(|at| self.ends.get(at)).copied().unwrap_or(0)
     }
 }
 
 /// Adds the marks to `tokens`.
-pub(crate) fn mark<'a>(
-    file: FileId,
-    tokens: &[Placed<'a>],
-    findings: &mut Vec<Finding>,
-) -> Statements<'a> {
+pub(crate) fn mark<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Statements<'a> {
     let mut marker = Marker {
         file,
         findings,
-        out: Statements {
-            tokens: Vec::with_capacity(tokens.len() + tokens.len() / 8),
-            ends: Vec::new(),
-        },
+        out: Statements { tokens: Vec::with_capacity(tokens.len() + tokens.len() / 8), ends: Vec::new() },
         levels: vec![Level::new(Block::File)],
         height: 0,
         muted: None,
@@ -103,13 +93,7 @@ struct Level<'a> {
 
 impl Level<'_> {
     fn new(block: Block) -> Self {
-        Self {
-            block,
-            first: None,
-            fresh: None,
-            ifs: 0,
-            signs: 0,
-        }
+        Self { block, first: None, fresh: None, ifs: 0, signs: 0 }
     }
 
     fn holds_statements(&self) -> bool {
@@ -119,10 +103,7 @@ impl Level<'_> {
     /// Whether the statement at hand ends with a brace rather than a `;`.
     fn ends_with_brace(&self) -> bool {
         match self.block {
-            Block::File => !matches!(
-                self.first,
-                Some(Token::Use | Token::Param | Token::Let | Token::Fn)
-            ),
+            Block::File => !matches!(self.first, Some(Token::Use | Token::Param | Token::Let | Token::Fn)),
             Block::Members => matches!(self.first, Some(Token::Calc | Token::Priority)),
             Block::Scene => self.first != Some(Token::Show),
             Block::Rules | Block::Other => false,
@@ -196,21 +177,15 @@ impl<'a> Marker<'a, '_> {
 
     /// Whether a reserved word at hand was meant as a name.
     fn stands_for_name(&self, next: Option<Token<'a>>) -> bool {
-        let needs_name = self
-            .last
-            .is_some_and(|it| it.token.reserved_word().is_some() && !it.token.ends_value());
+        let needs_name = self.last.is_some_and(|it| it.token.reserved_word().is_some() && !it.token.ends_value());
         needs_name || next == Some(Token::Assign)
     }
 
     /// Where `name:` follows a value without a comma, one is put in: nothing else begins like this.
     fn missing_comma(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
-        let begins_part =
-            token.token.is_name() && rest.first().is_some_and(|it| it.token == Token::Colon);
+        let begins_part = token.token.is_name() && rest.first().is_some_and(|it| it.token == Token::Colon);
         let in_brackets = self.levels.last().is_some_and(|it| !it.holds_statements());
-        let Some(last) = self
-            .last
-            .filter(|it| begins_part && in_brackets && it.token.ends_value())
-        else {
+        let Some(last) = self.last.filter(|it| begins_part && in_brackets && it.token.ends_value()) else {
             return;
         };
         self.insert(Token::Comma, last.end);
@@ -219,20 +194,10 @@ impl<'a> Marker<'a, '_> {
 
     fn open(&mut self, token: &Placed<'a>) {
         let is_brace = token.token == Token::OpenCurly;
-        let statement = self
-            .levels
-            .last()
-            .filter(|it| is_brace && it.ends_with_brace());
+        let statement = self.levels.last().filter(|it| is_brace && it.ends_with_brace());
         let block = statement.map_or(Block::Other, Level::block_of_brace);
-        let opening = if statement.is_some() {
-            Token::OpenBlock
-        } else {
-            token.token
-        };
-        self.push(&Placed {
-            token: opening,
-            ..*token
-        });
+        let opening = if statement.is_some() { Token::OpenBlock } else { token.token };
+        self.push(&Placed { token: opening, ..*token });
         self.levels.push(Level::new(block));
         self.height += 1;
         self.check_nesting(token);
@@ -247,10 +212,7 @@ impl<'a> Marker<'a, '_> {
         }
         self.push(token);
         let ends = token.token == Token::CloseCurly
-            && self
-                .levels
-                .last()
-                .is_some_and(|it| it.holds_statements() && it.ends_with_brace());
+            && self.levels.last().is_some_and(|it| it.holds_statements() && it.ends_with_brace());
         if ends {
             self.end_statement(token.end);
         }
@@ -292,11 +254,7 @@ impl<'a> Marker<'a, '_> {
 
     /// Ends a statement that has no end of its own.
     fn close_statement(&mut self) {
-        let Some(level) = self
-            .levels
-            .last()
-            .filter(|it| it.holds_statements() && it.first.is_some())
-        else {
+        let Some(level) = self.levels.last().filter(|it| it.holds_statements() && it.first.is_some()) else {
             return;
         };
         let Some(last) = self.last else { return };
@@ -328,14 +286,7 @@ impl<'a> Marker<'a, '_> {
 
     fn mark_end(&mut self, end: u32) {
         let is_item = self.levels.len() == 1;
-        self.insert(
-            if is_item {
-                Token::EndItem
-            } else {
-                Token::EndMember
-            },
-            end,
-        );
+        self.insert(if is_item { Token::EndItem } else { Token::EndMember }, end);
         if self.muted.is_none() {
             self.out.ends.push(end);
         }
@@ -374,29 +325,17 @@ impl<'a> Marker<'a, '_> {
             Token::If if last != Some(Token::Else) => level.ifs += 1,
             Token::Else => level.ifs = level.ifs.saturating_sub(1),
             Token::Minus if last == Some(Token::Caret) => level.signs += 1,
-            Token::Comma
-            | Token::Semicolon
-            | Token::OpenCurly
-            | Token::Replace
-            | Token::Append
-            | Token::At => {
+            Token::Comma | Token::Semicolon | Token::OpenCurly | Token::Replace | Token::Append | Token::At => {
                 (level.ifs, level.signs) = (0, 0);
             }
             _ => {}
         }
         let keeps_signs = matches!(
             token.token,
-            Token::Caret
-                | Token::Dot
-                | Token::Name(_)
-                | Token::Number(_)
-                | Token::Text(_)
-                | Token::True
-                | Token::False
+            Token::Caret | Token::Dot | Token::Name(_) | Token::Number(_) | Token::Text(_) | Token::True | Token::False
         );
         let is_bracket = token.token.closer().is_some() || token.token.is_closer();
-        let is_sign =
-            token.token == Token::Minus && matches!(last, Some(Token::Caret | Token::Minus));
+        let is_sign = token.token == Token::Minus && matches!(last, Some(Token::Caret | Token::Minus));
         if !(keeps_signs || is_bracket || is_sign) {
             level.signs = 0;
         }
@@ -412,32 +351,14 @@ impl<'a> Marker<'a, '_> {
         let Some(at) = self.levels.iter().rposition(Level::holds_statements) else {
             return;
         };
-        self.report(
-            token.start,
-            token.end,
-            SyntaxErrorKind::NestingTooDeep,
-            Some((token.start, token.start)),
-        );
+        self.report(token.start, token.end, SyntaxErrorKind::NestingTooDeep, Some((token.start, token.start)));
         self.muted = Some(at + 1);
     }
 
-    fn report(
-        &mut self,
-        start: u32,
-        end: u32,
-        kind: SyntaxErrorKind,
-        confuses: Option<(u32, u32)>,
-    ) {
+    fn report(&mut self, start: u32, end: u32, kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {
         if self.muted.is_none() && self.findings.len() < MAX_ERRORS {
-            let error = SyntaxError {
-                span: Span::new(self.file, start, end),
-                kind,
-            };
-            self.findings.push(Finding {
-                error,
-                confuses,
-                item: None,
-            });
+            let error = SyntaxError { span: Span::new(self.file, start, end), kind };
+            self.findings.push(Finding { error, confuses, item: None });
         }
     }
 }

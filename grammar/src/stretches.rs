@@ -22,9 +22,7 @@ impl Stretches {
     /// Whether `offset` lies in one of them, and not at its beginning.
     pub(crate) fn hold(&self, offset: u32) -> bool {
         let at = self.0.partition_point(|it| it.0 < offset);
-        at.checked_sub(1)
-            .and_then(|at| self.0.get(at))
-            .is_some_and(|it| offset <= it.1)
+        at.checked_sub(1).and_then(|at| self.0.get(at)).is_some_and(|it| offset <= it.1)
     }
 }
 
@@ -57,8 +55,6 @@ impl Groups {
 
     fn at(&self, offset: u32) -> u32 {
         let at = self.0.partition_point(|it| it.0 <= offset);
-        at.checked_sub(1)
-            .and_then(|at| self.0.get(at))
-            .map_or(u32::MAX, |it| it.1)
+        at.checked_sub(1).and_then(|at| self.0.get(at)).map_or(u32::MAX, |it| it.1)
     }
 }

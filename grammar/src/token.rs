@@ -235,18 +235,13 @@ impl Token<'_> {
 
     /// Whether this is a closing bracket.
     pub(crate) fn is_closer(self) -> bool {
-        matches!(
-            self,
-            Self::CloseRound | Self::CloseSquare | Self::CloseCurly
-        )
+        matches!(self, Self::CloseRound | Self::CloseSquare | Self::CloseCurly)
     }
 
     /// Whether a value or a solid may end with this.
     pub(crate) fn ends_value(self) -> bool {
-        matches!(
-            self,
-            Self::Name(_) | Self::Number(_) | Self::Text(_) | Self::True | Self::False | Self::Bad
-        ) || self.is_closer()
+        matches!(self, Self::Name(_) | Self::Number(_) | Self::Text(_) | Self::True | Self::False | Self::Bad)
+            || self.is_closer()
     }
 
     /// Whether this is a name.
@@ -274,13 +269,7 @@ impl Token<'_> {
     /// Whether this begins an item when `next` follows it. No other place of the language has the two in a row.
     pub(crate) fn begins_item(self, next: Option<Self>) -> bool {
         match self {
-            Self::Csg
-            | Self::Shape
-            | Self::Hull
-            | Self::Material
-            | Self::Texture
-            | Self::Enum
-            | Self::Param => {
+            Self::Csg | Self::Shape | Self::Hull | Self::Material | Self::Texture | Self::Enum | Self::Param => {
                 matches!(next, Some(Self::Name(_)))
             }
             Self::Scene => next == Some(Self::OpenCurly),

@@ -37,19 +37,11 @@ impl<'t, 'a> Verdict<'t, 'a> {
     ) -> Self {
         let unreadable = unreadable(lexed, statements);
         let mut confused = unreadable.clone();
-        confused.extend(
-            findings
-                .iter()
-                .filter_map(|it| it.confuses)
-                .map(|it| (it.0, statements.end_after(it.1))),
-        );
+        confused.extend(findings.iter().filter_map(|it| it.confuses).map(|it| (it.0, statements.end_after(it.1))));
         confused.extend(out_of_step(statements, mistakes));
         confused.extend(no_rule(statements, mistakes));
         confused.extend(unopened(statements, findings, mistakes));
-        let put_in = mistakes
-            .iter()
-            .filter_map(|it| it.found)
-            .filter(|it| it.0 == it.2);
+        let put_in = mistakes.iter().filter_map(|it| it.found).filter(|it| it.0 == it.2);
         let mut in_vain: Vec<u32> = put_in.map(|it| it.0).collect();
         in_vain.sort_unstable();
         Self {
@@ -67,18 +59,8 @@ impl<'t, 'a> Verdict<'t, 'a> {
     /// All that is to be told.
     pub(crate) fn errors(&self, findings: Vec<Finding>) -> Vec<SyntaxError> {
         let mut errors = self.lexed.errors.clone();
-        errors.extend(
-            findings
-                .into_iter()
-                .filter(|it| self.tells_finding(it))
-                .map(|it| it.error),
-        );
-        errors.extend(
-            self.mistakes
-                .iter()
-                .filter(|it| self.tells_mistake(it))
-                .map(|it| self.error(it)),
-        );
+        errors.extend(findings.into_iter().filter(|it| self.tells_finding(it)).map(|it| it.error));
+        errors.extend(self.mistakes.iter().filter(|it| self.tells_mistake(it)).map(|it| self.error(it)));
         errors.sort_by_key(|it| (it.span.start, it.span.end));
         errors.dedup();
         self.limit(&mut errors);
@@ -87,10 +69,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
 
     fn tells_finding(&self, finding: &Finding) -> bool {
         let place = finding.error.span.start;
-        let put_in = matches!(
-            finding.error.kind,
-            SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma
-        );
+        let put_in = matches!(finding.error.kind, SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma);
         // What was put in and did not help, or where nothing could be read anyway, was not what is missing.
         let helps = self.in_vain.binary_search(&place).is_err() && !self.lost.hold(place);
         let (from, until) = finding.confuses.unwrap_or((place, place));
@@ -100,14 +79,8 @@ impl<'t, 'a> Verdict<'t, 'a> {
     fn tells_mistake(&self, mistake: &Mistake<'_>) -> bool {
         // Of what is unreadable the lexer has spoken.
         let by_lexer = mistake.found.is_some_and(|(start, _, end)| {
-            let at = self
-                .lexed
-                .errors
-                .partition_point(|it| it.span.start < start);
-            self.lexed
-                .errors
-                .get(at)
-                .is_some_and(|it| it.span.start < end)
+            let at = self.lexed.errors.partition_point(|it| it.span.start < start);
+            self.lexed.errors.get(at).is_some_and(|it| it.span.start < end)
         });
         !by_lexer && !self.confused.hold(self.place(mistake))
     }
@@ -136,17 +109,12 @@ impl<'t, 'a> Verdict<'t, 'a> {
             (SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma, Some(before)) => {
                 (before.end, before.end)
             }
-            (SyntaxErrorKind::ReservedWord { word }, Some(before))
-                if before.token.reserved_word() == Some(word) =>
-            {
+            (SyntaxErrorKind::ReservedWord { word }, Some(before)) if before.token.reserved_word() == Some(word) => {
                 (before.start, before.end)
             }
             _ => (start, end),
         };
-        SyntaxError {
-            span: Span::new(self.file, start, end),
-            kind,
-        }
+        SyntaxError { span: Span::new(self.file, start, end), kind }
     }
 
     /// Leaves so many errors as a reader can want, and says that there are more.
@@ -154,10 +122,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
         if errors.len() >= MAX_ERRORS {
             errors.truncate(MAX_ERRORS);
             let place = errors.last().map_or(0, |it| it.span.end);
-            errors.push(SyntaxError {
-                span: Span::new(self.file, place, place),
-                kind: SyntaxErrorKind::TooManyErrors,
-            });
+            errors.push(SyntaxError { span: Span::new(self.file, place, place), kind: SyntaxErrorKind::TooManyErrors });
         }
     }
 }
@@ -165,44 +130,24 @@ impl<'t, 'a> Verdict<'t, 'a> {
 /// What an unterminated text or comment has swallowed is missing in the whole statement.
 fn unreadable(lexed: &Lexed<'_>, statements: &Statements<'_>) -> Vec<(u32, u32)> {
     let around = |&it: &u32| (statements.end_before(it), statements.end_after(it));
-    lexed
-        .doubtful
-        .iter()
-        .map(around)
-        .chain(lexed.cut.map(|it| (it, u32::MAX)))
-        .collect()
+    lexed.doubtful.iter().map(around).chain(lexed.cut.map(|it| (it, u32::MAX))).collect()
 }
 
 /// Where the parser went on in other brackets than those that the mistake is in, it is out of step.
 fn out_of_step(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
     let groups = Groups::of(statements);
-    let astray = mistakes
-        .iter()
-        .filter(|it| !groups.are_one(it.lost.0, it.lost.1));
+    let astray = mistakes.iter().filter(|it| !groups.are_one(it.lost.0, it.lost.1));
     let from = astray.map(|it| it.found.map_or(it.lost.0, |it| it.0));
     from.map(|it| (it, statements.end_after(it))).collect()
 }
 
 /// Where an arrow is missing and something is wrong before that, the statement is no rule at all.
 fn no_rule(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
-    let mut places: Vec<u32> = mistakes
-        .iter()
-        .filter_map(|it| it.found)
-        .map(|it| it.0)
-        .collect();
+    let mut places: Vec<u32> = mistakes.iter().filter_map(|it| it.found).map(|it| it.0).collect();
     places.sort_unstable();
-    let without_arrow = mistakes
-        .iter()
-        .filter(|it| it.expected.iter().any(|it| it == "\"->\""));
-    let stretch = |place: u32| {
-        Some((
-            first_in(&places, statements.end_before(place), place)?,
-            place,
-        ))
-    };
-    without_arrow
-        .filter_map(|it| stretch(it.found?.0))
-        .collect()
+    let without_arrow = mistakes.iter().filter(|it| it.expected.iter().any(|it| it == "\"->\""));
+    let stretch = |place: u32| Some((first_in(&places, statements.end_before(place), place)?, place));
+    without_arrow.filter_map(|it| stretch(it.found?.0)).collect()
 }
 
 /// The first of `places` between two offsets.
@@ -213,11 +158,7 @@ fn first_in(places: &[u32], from: u32, until: u32) -> Option<u32> {
 
 /// A bracket that is closed without being opened shows that the opening one is missing, and the first mistake before it
 /// shows where.
-fn unopened(
-    statements: &Statements<'_>,
-    findings: &[Finding],
-    mistakes: &[Mistake<'_>],
-) -> Vec<(u32, u32)> {
+fn unopened(statements: &Statements<'_>, findings: &[Finding], mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
     let mut needs_brace = Vec::new();
     let mut all = Vec::new();
     for mistake in mistakes {
@@ -233,9 +174,7 @@ fn unopened(
     let mut stretches = Vec::new();
     let mut since = 0;
     for finding in findings {
-        let (SyntaxErrorKind::UnopenedBracket { close }, Some(item)) =
-            (&finding.error.kind, finding.item)
-        else {
+        let (SyntaxErrorKind::UnopenedBracket { close }, Some(item)) = (&finding.error.kind, finding.item) else {
             continue;
         };
         let place = finding.error.span.start;

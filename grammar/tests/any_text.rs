@@ -8,9 +8,7 @@ use proptest::prelude::*;
 /// All places in what is printed of a tree: `0:12..34`.
 fn places(printed: &str) -> impl Iterator<Item = (usize, usize)> {
     printed.split("0:").skip(1).filter_map(|it| {
-        let it = it
-            .split(|it: char| !it.is_ascii_digit() && it != '.')
-            .next()?;
+        let it = it.split(|it: char| !it.is_ascii_digit() && it != '.').next()?;
         let (start, end) = it.split_once("..")?;
         Some((start.parse().ok()?, end.parse().ok()?))
     })
@@ -21,17 +19,11 @@ fn check(text: &str) -> Result<(), TestCaseError> {
     let parsed = read(text);
     let printed = format!("{parsed:?}");
     for (start, end) in places(&printed) {
-        prop_assert!(
-            start <= end && text.get(start..end).is_some(),
-            "{start}..{end} in {text:?}"
-        );
+        prop_assert!(start <= end && text.get(start..end).is_some(), "{start}..{end} in {text:?}");
     }
     prop_assert!(parsed.errors.is_sorted_by_key(|it| it.span.start));
     let tree = format!("{:?}", parsed.file);
-    prop_assert!(
-        !parsed.errors.is_empty() || !tree.contains("Error"),
-        "a hole without a message in {text:?}"
-    );
+    prop_assert!(!parsed.errors.is_empty() || !tree.contains("Error"), "a hole without a message in {text:?}");
     prop_assert_eq!(read(text), parsed);
     Ok(())
 }
@@ -135,27 +127,14 @@ const PIECES: &[&str] = &[
 
 /// The sample with some pieces cut out, doubled or put in.
 fn mutant() -> impl Strategy<Value = String> {
-    let edit = (
-        any::<prop::sample::Index>(),
-        0..6_usize,
-        prop::sample::select(PIECES),
-        any::<bool>(),
-    );
+    let edit = (any::<prop::sample::Index>(), 0..6_usize, prop::sample::select(PIECES), any::<bool>());
     prop::collection::vec(edit, 1..8).prop_map(|edits| {
         let mut text = EVERY_CONSTRUCT.to_owned();
         for (at, length, piece, keep) in edits {
-            let starts: Vec<usize> = text
-                .char_indices()
-                .map(|it| it.0)
-                .chain([text.len()])
-                .collect();
+            let starts: Vec<usize> = text.char_indices().map(|it| it.0).chain([text.len()]).collect();
             let at = at.index(starts.len());
             let (start, end) = (starts[at], starts[(at + length).min(starts.len() - 1)]);
-            let kept = if keep {
-                text[start..end].repeat(2)
-            } else {
-                piece.to_owned()
-            };
+            let kept = if keep { text[start..end].repeat(2) } else { piece.to_owned() };
             text.replace_range(start..end, &kept);
         }
         text

@@ -37,12 +37,7 @@ fn flat_chains_may_be_as_long_as_a_text() {
     ];
     for (before, part, after) in values {
         let count = if part == "+1" { 1_000_000 } else { 100_000 };
-        let parsed = repeated(
-            &format!("let x = {before}"),
-            part,
-            count,
-            &format!("{after};"),
-        );
+        let parsed = repeated(&format!("let x = {before}"), part, count, &format!("{after};"));
         assert_eq!(parsed.errors, [], "{part}");
     }
     let solids = [
@@ -58,12 +53,7 @@ fn flat_chains_may_be_as_long_as_a_text() {
     ];
     for (before, part, after) in solids {
         let count = if part == "|a" { 1_000_000 } else { 100_000 };
-        let parsed = repeated(
-            &format!("csg A {{ start {before}"),
-            part,
-            count,
-            &format!("{after}; }}"),
-        );
+        let parsed = repeated(&format!("csg A {{ start {before}"), part, count, &format!("{after}; }}"));
         assert_eq!(parsed.errors, [], "{part}");
     }
     for part in ["let x=1;", "csg A{}", "//\n", "/**/", "///\n"] {
@@ -89,18 +79,7 @@ fn nesting_is_allowed_up_to_its_limit_and_one_error_beyond() {
         ("csg A { start ", "if b {", "a", "}", "; }", 1),
     ];
     for (before, open, core, close, after, around) in forms {
-        let at = |depth: usize| {
-            read(
-                &[
-                    before,
-                    &open.repeat(depth),
-                    core,
-                    &close.repeat(depth),
-                    after,
-                ]
-                .concat(),
-            )
-        };
+        let at = |depth: usize| read(&[before, &open.repeat(depth), core, &close.repeat(depth), after].concat());
         let most = MAX_NESTING - around;
         for depth in most - 2..=most {
             assert_eq!(at(depth).errors, [], "{open} {depth}");
@@ -124,69 +103,25 @@ fn the_highest_tree_can_be_walked_on_a_small_stack() {
 
 #[test]
 fn a_million_brackets_open_closed_or_crossed_give_a_few_messages() {
-    for part in [
-        "(",
-        "[",
-        "{",
-        ")",
-        "]",
-        "}",
-        "([",
-        "(]",
-        "csg A {(",
-        "f(",
-        "repeat 3 {",
-        "if ",
-        "2^-",
-        ")(",
-    ] {
-        for before in [
-            "let x = ",
-            "csg A { start ",
-            "scene { show ",
-            "material A { a: ",
-        ] {
+    for part in ["(", "[", "{", ")", "]", "}", "([", "(]", "csg A {(", "f(", "repeat 3 {", "if ", "2^-", ")("] {
+        for before in ["let x = ", "csg A { start ", "scene { show ", "material A { a: "] {
             let count = if part == "(" { 1_000_000 } else { 50_000 };
             let parsed = repeated(before, part, count, "");
             assert!(!parsed.errors.is_empty(), "{before}{part}");
-            assert!(
-                parsed.errors.len() <= 3 || part.starts_with("csg"),
-                "{before}{part}: {}",
-                parsed.errors.len()
-            );
+            assert!(parsed.errors.len() <= 3 || part.starts_with("csg"), "{before}{part}: {}", parsed.errors.len());
         }
     }
-    let crossed = [
-        "let x = ",
-        &"([".repeat(100_000),
-        &")]".repeat(100_000),
-        ";",
-    ]
-    .concat();
+    let crossed = ["let x = ", &"([".repeat(100_000), &")]".repeat(100_000), ";"].concat();
     assert!((1..=3).contains(&read(&crossed).errors.len()));
 }
 
 #[test]
 fn rubbish_deep_inside_brackets_takes_no_more_time_than_elsewhere() {
     for (before, part, after) in [("(", "1 1 ", ")"), ("f(", "1 1 ", ")"), ("[", "1,, ", "]")] {
-        let deep = [
-            "let x = ",
-            &before.repeat(200),
-            &part.repeat(300_000),
-            &after.repeat(200),
-            ";",
-        ]
-        .concat();
+        let deep = ["let x = ", &before.repeat(200), &part.repeat(300_000), &after.repeat(200), ";"].concat();
         assert!(!read(&deep).errors.is_empty());
     }
-    let walk = [
-        "csg A { start ",
-        &"[".repeat(200),
-        &"| ".repeat(500_000),
-        &"]".repeat(200),
-        "; }",
-    ]
-    .concat();
+    let walk = ["csg A { start ", &"[".repeat(200), &"| ".repeat(500_000), &"]".repeat(200), "; }"].concat();
     assert_eq!(read(&walk).errors.len(), 1);
 }
 

@@ -5,8 +5,7 @@ mod common;
 
 use common::{EVERY_CONSTRUCT, errors_of, read};
 use treegen_grammar::ast::{
-    Expr, ExprKind, ItemKind, Link, Member, MemberKind, Solid, SolidKind, Step, Term, TermKind,
-    UnaryOp,
+    Expr, ExprKind, ItemKind, Link, Member, MemberKind, Solid, SolidKind, Step, Term, TermKind, UnaryOp,
 };
 
 /// The value of the only `let` of a text, every operation in parentheses.
@@ -26,27 +25,17 @@ fn show(expr: &Expr) -> String {
         ExprKind::Text(it) => format!("{it:?}"),
         ExprKind::Bool(it) => format!("{it}"),
         ExprKind::Name(it) => it.clone(),
-        ExprKind::If {
-            branches,
-            otherwise,
-        } => {
-            let cases = branches
-                .iter()
-                .map(|it| format!("{} ? {} : ", show(&it.0), show(&it.1)));
+        ExprKind::If { branches, otherwise } => {
+            let cases = branches.iter().map(|it| format!("{} ? {} : ", show(&it.0), show(&it.1)));
             format!("({}{})", cases.collect::<String>(), show(otherwise))
         }
         ExprKind::Binary { first, rest } => {
             let rest = rest.iter().map(|it| format!(" {:?} {}", it.0, show(&it.2)));
             format!("({}{})", show(first), rest.collect::<String>())
         }
-        ExprKind::Power(parts) => format!(
-            "({})",
-            parts.iter().map(show).collect::<Vec<_>>().join(" ^ ")
-        ),
+        ExprKind::Power(parts) => format!("({})", parts.iter().map(show).collect::<Vec<_>>().join(" ^ ")),
         ExprKind::Unary { ops, operand } => {
-            let ops = ops
-                .iter()
-                .map(|it| if *it == UnaryOp::Not { "not " } else { "-" });
+            let ops = ops.iter().map(|it| if *it == UnaryOp::Not { "not " } else { "-" });
             format!("({}{})", ops.collect::<String>(), show(operand))
         }
         ExprKind::Postfix { base, links } => {
@@ -55,11 +44,7 @@ fn show(expr: &Expr) -> String {
                 Link::Part(name) => format!(".{}", name.text),
                 Link::Call(args, _) => {
                     let args = args.iter().map(|it| {
-                        let name = it
-                            .name
-                            .as_ref()
-                            .map(|it| it.text.clone() + ": ")
-                            .unwrap_or_default();
+                        let name = it.name.as_ref().map(|it| it.text.clone() + ": ").unwrap_or_default();
                         name + &show(&it.value)
                     });
                     format!("({})", args.collect::<Vec<_>>().join(", "))
@@ -67,14 +52,8 @@ fn show(expr: &Expr) -> String {
             });
             show(base) + &links.collect::<String>()
         }
-        ExprKind::Vector(parts) => format!(
-            "<{}>",
-            parts.iter().map(show).collect::<Vec<_>>().join(", ")
-        ),
-        ExprKind::List(parts) => format!(
-            "[{}]",
-            parts.iter().map(show).collect::<Vec<_>>().join(", ")
-        ),
+        ExprKind::Vector(parts) => format!("<{}>", parts.iter().map(show).collect::<Vec<_>>().join(", ")),
+        ExprKind::List(parts) => format!("[{}]", parts.iter().map(show).collect::<Vec<_>>().join(", ")),
         ExprKind::Error => "?".to_owned(),
     }
 }
@@ -95,14 +74,9 @@ fn successor(text: &str) -> String {
 
 fn solid(it: &Solid) -> String {
     match &it.kind {
-        SolidKind::Union(parts) => format!(
-            "<{}>",
-            parts.iter().map(solid).collect::<Vec<_>>().join(" | ")
-        ),
+        SolidKind::Union(parts) => format!("<{}>", parts.iter().map(solid).collect::<Vec<_>>().join(" | ")),
         SolidKind::Cut { first, rest } => {
-            let rest = rest
-                .iter()
-                .map(|it| format!(" {:?} {}", it.0, solid(&it.1)));
+            let rest = rest.iter().map(|it| format!(" {:?} {}", it.0, solid(&it.1)));
             format!("<{}{}>", solid(first), rest.collect::<String>())
         }
         SolidKind::Chain(terms) => terms.iter().map(term).collect::<Vec<_>>().join(" "),
@@ -112,17 +86,8 @@ fn solid(it: &Solid) -> String {
 fn term(it: &Term) -> String {
     match &it.kind {
         TermKind::Call { path, args } => {
-            let qualifier = path
-                .qualifier
-                .as_ref()
-                .map(|it| it.text.clone() + ".")
-                .unwrap_or_default();
-            let args = args.as_ref().map(|it| {
-                it.iter()
-                    .map(|it| show(&it.value))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            });
+            let qualifier = path.qualifier.as_ref().map(|it| it.text.clone() + ".").unwrap_or_default();
+            let args = args.as_ref().map(|it| it.iter().map(|it| show(&it.value)).collect::<Vec<_>>().join(", "));
             qualifier + &path.name.text + &args.map(|it| format!("({it})")).unwrap_or_default()
         }
         TermKind::Group(inner) => format!("({})", solid(inner)),
@@ -137,24 +102,12 @@ fn term(it: &Term) -> String {
         }
         TermKind::Bracket(inner) => format!("[{}]", solid(inner)),
         TermKind::Repeat { count, index, body } => {
-            let index = index
-                .as_ref()
-                .map(|it| format!(" as {}", it.text))
-                .unwrap_or_default();
+            let index = index.as_ref().map(|it| format!(" as {}", it.text)).unwrap_or_default();
             format!("repeat {}{index} {{{}}}", show(count), solid(body))
         }
-        TermKind::Choice {
-            branches,
-            otherwise,
-        } => {
-            let cases = branches
-                .iter()
-                .map(|it| format!("{} ? {} : ", show(&it.0), solid(&it.1)));
-            format!(
-                "({}{})",
-                cases.collect::<String>(),
-                otherwise.as_ref().map_or("-".to_owned(), |it| solid(it))
-            )
+        TermKind::Choice { branches, otherwise } => {
+            let cases = branches.iter().map(|it| format!("{} ? {} : ", show(&it.0), solid(&it.1)));
+            format!("({}{})", cases.collect::<String>(), otherwise.as_ref().map_or("-".to_owned(), |it| solid(it)))
         }
         TermKind::Error => "?".to_owned(),
     }
@@ -188,31 +141,16 @@ fn operators_of_one_level_are_taken_from_the_left_and_levels_as_everywhere() {
     assert_eq!(value("a - b - c"), "(a Subtract b Subtract c)");
     assert_eq!(value("a - (b - c)"), "(a Subtract (b Subtract c))");
     assert_eq!(value("(a - b) - c"), "((a Subtract b) Subtract c)");
-    assert_eq!(
-        value("a + b * -c % d"),
-        "(a Add (b Multiply (-c) Remainder d))"
-    );
-    assert_eq!(
-        value("not a < b + 1 and c or not not d"),
-        "(((not (a Less (b Add 1))) And c) Or (not not d))"
-    );
+    assert_eq!(value("a + b * -c % d"), "(a Add (b Multiply (-c) Remainder d))");
+    assert_eq!(value("not a < b + 1 and c or not not d"), "(((not (a Less (b Add 1))) And c) Or (not not d))");
     assert_eq!(value("a or b and c == d"), "(a Or (b And (c Equal d)))");
 }
 
 #[test]
 fn an_if_reaches_as_far_as_it_can_and_else_if_is_flat() {
-    assert_eq!(
-        value("if a then b else if c then d else e + f"),
-        "(a ? b : c ? d : (e Add f))"
-    );
-    assert_eq!(
-        value("if a then if b then c else d else e"),
-        "(a ? (b ? c : d) : e)"
-    );
-    assert_eq!(
-        value("if if a then b else c then d else e"),
-        "((a ? b : c) ? d : e)"
-    );
+    assert_eq!(value("if a then b else if c then d else e + f"), "(a ? b : c ? d : (e Add f))");
+    assert_eq!(value("if a then if b then c else d else e"), "(a ? (b ? c : d) : e)");
+    assert_eq!(value("if if a then b else c then d else e"), "((a ? b : c) ? d : e)");
 }
 
 #[test]
@@ -223,10 +161,7 @@ fn parentheses_hold_a_value_or_a_vector() {
 
 #[test]
 fn numbers_are_read_to_the_nearest_float() {
-    assert_eq!(
-        value("[12, .5, 1e-3, 1.25E+2, 1e-400]"),
-        "[12, 0.5, 0.001, 125, 0]"
-    );
+    assert_eq!(value("[12, .5, 1e-3, 1.25E+2, 1e-400]"), "[12, 0.5, 0.001, 125, 0]");
     assert_eq!(value("9007199254740993"), "9007199254740992");
 }
 
@@ -241,30 +176,15 @@ fn a_path_and_a_parenthesis_are_a_call_whatever_lies_between() {
 
 #[test]
 fn cuts_bind_before_unions_and_are_taken_from_the_left() {
-    assert_eq!(
-        successor("a | b & c \\ d | e"),
-        "<a | <b Intersect c Subtract d> | e>"
-    );
-    assert_eq!(
-        successor("a ∪ b ∩ c ∖ d"),
-        "<a | <b Intersect c Subtract d>>"
-    );
-    assert_eq!(
-        successor("move(1) {n = 1} a | b"),
-        "<move(1) {n = 1} a | b>"
-    );
+    assert_eq!(successor("a | b & c \\ d | e"), "<a | <b Intersect c Subtract d> | e>");
+    assert_eq!(successor("a ∪ b ∩ c ∖ d"), "<a | <b Intersect c Subtract d>>");
+    assert_eq!(successor("move(1) {n = 1} a | b"), "<move(1) {n = 1} a | b>");
 }
 
 #[test]
 fn choices_in_a_walk_are_flat_too() {
-    assert_eq!(
-        successor("if a { b } else if c { d } else { e } f"),
-        "(a ? b : c ? d : e) f"
-    );
-    assert_eq!(
-        successor("repeat n + 1 as i { if i < 2 { a } } b"),
-        "repeat (n Add 1) as i {((i Less 2) ? a : -)} b"
-    );
+    assert_eq!(successor("if a { b } else if c { d } else { e } f"), "(a ? b : c ? d : e) f");
+    assert_eq!(successor("repeat n + 1 as i { if i < 2 { a } } b"), "repeat (n Add 1) as i {((i Less 2) ? a : -)} b");
 }
 
 #[test]
@@ -277,15 +197,9 @@ fn every_construct_is_read_without_errors() {
 #[test]
 fn doc_comments_belong_to_what_is_below_them() {
     let parsed = read(EVERY_CONSTRUCT);
-    assert_eq!(
-        parsed.file.items[0].doc,
-        "Uses everything that the grammar has.\nIt means nothing."
-    );
+    assert_eq!(parsed.file.items[0].doc, "Uses everything that the grammar has.\nIt means nothing.");
     assert_eq!(parsed.file.items[1].doc, "");
-    let documented: Vec<_> = members(EVERY_CONSTRUCT)
-        .into_iter()
-        .filter(|it| !it.doc.is_empty())
-        .collect();
+    let documented: Vec<_> = members(EVERY_CONSTRUCT).into_iter().filter(|it| !it.doc.is_empty()).collect();
     assert_eq!(documented.len(), 1);
     assert_eq!(documented[0].doc, "The end of it.");
     let comments: Vec<_> = parsed.file.comments.iter().map(|it| it.doc).collect();
@@ -296,10 +210,7 @@ fn doc_comments_belong_to_what_is_below_them() {
 fn the_span_of_a_statement_is_its_text() {
     let text = "csg A { /// doc\n x: S(a) if a @ 2 +> b; }";
     let span = members(text)[0].span;
-    assert_eq!(
-        &text[span.start as usize..span.end as usize],
-        "x: S(a) if a @ 2 +> b;"
-    );
+    assert_eq!(&text[span.start as usize..span.end as usize], "x: S(a) if a @ 2 +> b;");
 }
 
 #[test]

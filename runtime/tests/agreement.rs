@@ -129,7 +129,11 @@ fn along_an_axis_a_sierpinski_tetrahedron_is_a_full_square_at_the_depth_in_close
             for ((x, y), sample) in places.iter().zip(samples) {
                 let hit = sample.fragments.first().expect("the square has no hole");
                 let expected = sierpinski_top(order, *x, *y);
-                assert!((hit.position.z - expected).abs() < 1e-12, "order {order} at {x}, {y}: {} for {expected}", hit.position.z);
+                assert!(
+                    (hit.position.z - expected).abs() < 1e-12,
+                    "order {order} at {x}, {y}: {} for {expected}",
+                    hit.position.z
+                );
             }
         }
     }

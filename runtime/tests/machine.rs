@@ -5,7 +5,9 @@
 mod common;
 
 use treegen_runtime::eval::{Env, Machine, Path};
-use treegen_runtime::form::{BinaryOp, Builtin, Code, Function, FunctionId, Op, Origin, Reg, Slot, UnaryOp, Value, Vector};
+use treegen_runtime::form::{
+    BinaryOp, Builtin, Code, Function, FunctionId, Op, Origin, Reg, Slot, UnaryOp, Value, Vector,
+};
 use treegen_runtime::{Fault, FaultKind, Limit, Limits};
 
 fn env() -> Env {
@@ -79,7 +81,9 @@ fn what_is_no_number_is_a_fault_and_infinity_needs_an_infinite_operand() {
         assert!(matches!(result, Err(Fault { kind: FaultKind::NotANumber { .. }, .. })), "{op:?} {a} {b}: {result:?}");
     }
     assert_eq!(binary(BinaryOp::Subtract, number(inf), number(1.0)), Ok(number(inf)));
-    for (function, x) in [(Builtin::Ln, 0.0), (Builtin::Sqrt, -1.0), (Builtin::Acos, 2.0), (Builtin::Tan, 90.0), (Builtin::Exp, 1e3)] {
+    for (function, x) in
+        [(Builtin::Ln, 0.0), (Builtin::Sqrt, -1.0), (Builtin::Acos, 2.0), (Builtin::Tan, 90.0), (Builtin::Exp, 1e3)]
+    {
         assert!(builtin(function, &[number(x)]).is_err(), "{function:?}");
     }
 }

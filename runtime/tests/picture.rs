@@ -30,11 +30,14 @@ fn ground() -> Spheres {
 
 /// Spheres on the ground seen from the side, with edges, shadows and sky.
 fn still_life() -> (Scene, Spheres) {
-    let camera = Camera { eye: DVec3::new(3.0, -6.0, 2.5), target: DVec3::Z * 0.7, up: DVec3::Z, lens: Lens::Perspective(35.0) };
-    let mut scene = scene(camera, vec![sun([-1.0, 0.6, -1.2]), Sun { size: 3.0, ..sun([1.0, 0.4, -1.0]) }], (61, 43), 4);
+    let camera =
+        Camera { eye: DVec3::new(3.0, -6.0, 2.5), target: DVec3::Z * 0.7, up: DVec3::Z, lens: Lens::Perspective(35.0) };
+    let mut scene =
+        scene(camera, vec![sun([-1.0, 0.6, -1.2]), Sun { size: 3.0, ..sun([1.0, 0.4, -1.0]) }], (61, 43), 4);
     scene.materials[0].range = [-0.5, -0.3, -0.2];
     scene.materials[0].gloss = 0.6;
-    let mut spheres: Vec<_> = (0..9).map(|i| sphere([f64::from(i) * 0.6 - 2.4, f64::from(i % 3) - 1.0, 0.5], 0.4)).collect();
+    let mut spheres: Vec<_> =
+        (0..9).map(|i| sphere([f64::from(i) * 0.6 - 2.4, f64::from(i % 3) - 1.0, 0.5], 0.4)).collect();
     spheres.iter_mut().step_by(2).for_each(|sphere| sphere.material = Some(MaterialId(0)));
     (scene, Spheres { spheres, ground: true, faulty: None })
 }
@@ -116,7 +119,8 @@ fn a_sphere_covers_its_disc() {
 #[test]
 fn a_sphere_in_perspective_has_the_radius_of_its_limb() {
     // Of radius 1 at distance 5: its limb lies at 1 / sqrt(5² - 1²) of the focal length.
-    let camera = Camera { eye: DVec3::new(0.0, -5.0, 0.0), target: DVec3::ZERO, up: DVec3::Z, lens: Lens::Perspective(60.0) };
+    let camera =
+        Camera { eye: DVec3::new(0.0, -5.0, 0.0), target: DVec3::ZERO, up: DVec3::Z, lens: Lens::Perspective(60.0) };
     let mut scene = scene(camera, Vec::new(), (300, 200), 4);
     scene.image.background = Background::Transparent;
     let picture = picture(&scene, &Spheres { spheres: vec![sphere([0.0; 3], 1.0)], ..Spheres::default() });
@@ -145,12 +149,15 @@ fn depth_is_measured_along_the_axis_and_infinite_where_nothing_is() {
     let layers = render(&scene, &ground(), &options, &()).unwrap().layers.unwrap();
     assert!(layers.depth.iter().all(|depth| (depth - 3.0).abs() < 1e-6));
     let layers = render(&scene, &Spheres::default(), &options, &()).unwrap().layers.unwrap();
-    assert!(layers.depth.iter().all(|depth| depth.is_infinite()) && layers.material.iter().all(|material| *material == 0));
+    assert!(
+        layers.depth.iter().all(|depth| depth.is_infinite()) && layers.material.iter().all(|material| *material == 0)
+    );
 }
 
 #[test]
 fn up_along_the_view_gives_way_to_y_and_then_to_z() {
-    for (eye, up, right) in [(DVec3::Z, DVec3::Z, DVec3::X), (DVec3::Y, DVec3::Y, DVec3::NEG_X), (DVec3::Z, DVec3::ZERO, DVec3::X)]
+    for (eye, up, right) in
+        [(DVec3::Z, DVec3::Z, DVec3::X), (DVec3::Y, DVec3::Y, DVec3::NEG_X), (DVec3::Z, DVec3::ZERO, DVec3::X)]
     {
         let camera = Camera { eye: eye * 9.0, target: DVec3::ZERO, up, lens: Lens::Orthographic(2.0) };
         let mut scene = scene(camera, Vec::new(), (2, 2), 1);
@@ -212,8 +219,9 @@ fn more_samples_go_where_samples_differ_and_never_change_a_flat_region() {
 #[test]
 fn adaptive_sampling_comes_near_to_many_samples_everywhere() {
     let (scene, tracer) = still_life();
-    let with =
-        |samples: u32| render(&scene, &tracer, &RenderOptions { samples: Some(samples), ..RenderOptions::default() }, &()).unwrap();
+    let with = |samples: u32| {
+        render(&scene, &tracer, &RenderOptions { samples: Some(samples), ..RenderOptions::default() }, &()).unwrap()
+    };
     let exact = with(256);
     let error = |picture: &Picture| {
         let pairs = picture.color.iter().flatten().zip(exact.color.iter().flatten());
@@ -229,7 +237,8 @@ fn the_same_solid_has_one_color_and_others_have_others() {
     scene.suns.clear();
     scene.camera = Some(from_above(2.0));
     scene.sky = Some(Sky::default());
-    let balls = (0..6).map(|i| spheres::Sphere { material: Some(MaterialId(0)), ..sphere([f64::from(i) - 2.5, 0.0, 0.0], 0.4) });
+    let balls = (0..6)
+        .map(|i| spheres::Sphere { material: Some(MaterialId(0)), ..sphere([f64::from(i) - 2.5, 0.0, 0.0], 0.4) });
     let tracer = Spheres { spheres: balls.collect(), ..Spheres::default() };
     let options = RenderOptions { size: Some((60, 20)), samples: Some(1), ..RenderOptions::default() };
     let picture = render(&scene, &tracer, &options, &()).unwrap();

@@ -57,7 +57,9 @@ fn chain(draws: bool, variants: Option<f64>) -> Scene {
                 let code = if draws { common::random(0.0, 90.0, 5) } else { common::numbers(&[17.0]) };
                 let turned = b.transform_by(TransformKind::RotX, code, call);
                 match variants {
-                    Some(count) => b.add(Node::Variant { count: common::numbers(&[count]), body: turned, origin: Origin::NONE }),
+                    Some(count) => {
+                        b.add(Node::Variant { count: common::numbers(&[count]), body: turned, origin: Origin::NONE })
+                    }
                     None => turned,
                 }
             })

@@ -22,6 +22,9 @@ const MAX_INSTANCES: usize = 16;
 /// How many functions are followed into one another.
 const MAX_DEPTH: usize = 64;
 
+/// How many lists may be in one another. Less than passes are made, so that one that is put into itself is noticed.
+const MAX_LISTS: usize = 8;
+
 /// What is known of a name's type, and where from.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
@@ -49,6 +52,8 @@ pub(super) struct Infer<'a> {
     /// Whether problems are reported; earlier passes only look.
     pub(super) reporting: bool,
     pub(super) problems: Vec<Problem>,
+    /// Whether it was said that lists are nested too deeply.
+    lists_too_deep: bool,
     /// Where a problem was reported: each place has one.
     reported: HashSet<Span>,
     /// The definition that is looked at, and those in which problems were found.
@@ -78,6 +83,7 @@ impl<'a> Infer<'a> {
             changed: false,
             reporting: false,
             problems: Vec::new(),
+            lists_too_deep: false,
             reported: HashSet::new(),
             def: DefId(0),
             broken: Vec::new(),
@@ -264,6 +270,14 @@ impl<'a> Infer<'a> {
                     return Type::List(Box::new(Type::Unknown));
                 }
             }
+        }
+        if result.depth() >= MAX_LISTS {
+            // Once is enough: the others are mostly made of this one.
+            let is_new = !std::mem::replace(&mut self.lists_too_deep, self.reporting);
+            if let Some(part) = parts.first().filter(|_| is_new) {
+                self.report(crate::words::values::lists_too_deep(MAX_LISTS, part.span));
+            }
+            return Type::Unknown;
         }
         Type::List(Box::new(result))
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use treegen_grammar::ast::SystemKind;
+use treegen_grammar::ast::{CutOp, SystemKind};
 
 use crate::graph;
 use crate::problem::Problem;
@@ -74,11 +74,12 @@ fn labels(expr: &Expr, named: &mut Vec<u32>) -> bool {
 fn never_a_solid(program: &Program, problems: &mut Vec<Problem>) {
     let mut known = Ends { modules: vec![false; program.modules.len()], systems: vec![false; program.systems.len()] };
     let rewrites = |def: DefId| matches!(program.def(def).kind, DefKind::Module(_) | DefKind::System(_));
-    for group in graph::groups(program, rewrites) {
+    let groups = graph::groups(program, rewrites);
+    for group in &groups {
         let mut changed = true;
         while changed {
             changed = false;
-            for def in &group {
+            for def in group {
                 changed |= known.look(program, *def);
             }
         }
@@ -89,6 +90,17 @@ fn never_a_solid(program: &Program, problems: &mut Vec<Problem>) {
         if !ends && told.insert(module.system) {
             let span = module.rules.first().map_or(program.def(module.def).span, |it| it.span);
             problems.push(words::systems::never_a_solid(&module.name, span));
+        }
+    }
+    // Without such a module, and unless part of the program is missing, it is systems that lead to one another. What comes
+    // first in the groups needs nothing that comes later.
+    if told.is_empty() && problems.iter().all(|it| !it.is_error()) {
+        let system = |def: &DefId| match program.def(*def).kind {
+            DefKind::System(id) if !known.systems[id.index()] => Some(&program.systems[id.index()]),
+            _ => None,
+        };
+        if let Some(system) = groups.iter().flatten().find_map(system) {
+            problems.push(words::systems::system_never_a_solid(&system.name, system.name_span));
         }
     }
 }
@@ -131,7 +143,10 @@ impl Ends {
             | SolidKind::Later(_)
             | SolidKind::Walk(_) => true,
             SolidKind::Union(operands) => operands.iter().any(|it| self.solid(it)),
-            SolidKind::Cut { first, .. } => self.solid(first),
+            // What is subtracted may go on for ever, if only it shrinks; what has to lie in all operands needs them all.
+            SolidKind::Cut { first, rest } => {
+                self.solid(first) && rest.iter().all(|it| it.0 == CutOp::Subtract || self.solid(&it.1))
+            }
             SolidKind::Chain { body, .. } | SolidKind::Repeat { body, .. } => self.solid(body),
             SolidKind::Choice { branches, otherwise } => match otherwise {
                 None => true,

@@ -52,6 +52,10 @@ impl Infer<'_> {
                     None => kind,
                 };
                 self.range(global.range.as_ref());
+                if global.range.is_some() && kind.join(&Type::Number).is_none() {
+                    let is = self.name(&kind);
+                    self.report(crate::words::types::mismatch("what has a range", "a number", &is, global.value.span));
+                }
                 if self.globals[id.index()] != kind {
                     self.globals[id.index()] = kind;
                     self.changed = true;

@@ -28,6 +28,15 @@ impl Type {
         }
     }
 
+    /// In how many lists its innermost values are.
+    pub(super) fn depth(&self) -> usize {
+        let (mut kind, mut depth) = (self, 0);
+        while let Self::List(inner) = kind {
+            (kind, depth) = (inner, depth + 1);
+        }
+        depth
+    }
+
     /// How it is called in messages: `a number`.
     pub(super) fn name(&self, program: &Program) -> String {
         match self {

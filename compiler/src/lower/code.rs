@@ -328,7 +328,10 @@ fn constant(expr: &Expr, values: Values<'_>) -> Option<Value> {
         }
         ExprKind::List(parts) => {
             let parts: Option<Vec<Value>> = parts.iter().map(|it| constant(it, values)).collect();
-            Some(Value::List(Arc::from(parts?)))
+            let parts = parts?;
+            // How large lists of lists become is for the machine to watch.
+            let is_flat = !parts.iter().any(|it| matches!(it, Value::List(_)));
+            is_flat.then(|| Value::List(Arc::from(parts)))
         }
         _ => None,
     }

@@ -334,7 +334,8 @@ impl Resolver<'_> {
         if (least..=most).contains(&args.len()) {
             return true;
         }
-        let needs = if least == most { words::count(least, "argument") } else { format!("{least} or more arguments") };
+        let needs =
+            if least == most { words::count(least, "argument") } else { format!("{least} to {most} arguments") };
         self.report(scope, words::arguments::wrong_number(name, &needs, args.len(), span));
         false
     }

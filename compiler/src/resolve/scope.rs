@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use treegen_grammar::ast::Name;
-use treegen_grammar::{FileId, Span};
+use treegen_grammar::{FileId, MAX_NAME_BYTES, Span};
 use treegen_runtime::eval::Place;
 
 use super::Resolver;
@@ -183,6 +183,10 @@ impl<'o> Resolver<'o> {
         more: &[&'static str],
     ) {
         self.break_def(scope.def);
+        // A foreign character in it has been reported, or that it is too long.
+        if name.len() > MAX_NAME_BYTES || !name.bytes().all(|it| it.is_ascii_alphanumeric() || it == b'_') {
+            return;
+        }
         if self.may_be_unreadable(scope, name) || !self.unknown.insert((scope.file, scope.system, name.to_owned())) {
             return;
         }

@@ -4,12 +4,9 @@ use treegen_grammar::Span;
 use treegen_runtime::form::Value;
 
 use crate::constant::Constants;
-use crate::fields::{FieldRule, FieldType};
+use crate::fields::{FieldRule, FieldType, MOST_SIDE};
 use crate::program::{Field, FieldValue};
 use crate::words;
-
-/// How many pixels a side of a picture may have: more than any limit on their number allows.
-const MOST_SIDE: f64 = 4_194_304.0;
 
 /// A field's value once its type is known.
 #[derive(Clone, Debug, PartialEq)]

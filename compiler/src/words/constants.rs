@@ -2,7 +2,7 @@
 
 use treegen_runtime::form::Value;
 
-use crate::fields::FieldType;
+use crate::fields::{FieldType, MOST_SIDE};
 use crate::vocabulary::Vocabulary;
 
 /// A value as a program would write it; long lists are cut.
@@ -58,7 +58,7 @@ pub(crate) fn needs(kind: FieldType) -> String {
         FieldType::Whole(low, high) => format!("a whole number from {} to {}", number(low), number(high)),
         FieldType::Vector(parts) => format!("a vector of {parts} numbers"),
         FieldType::Color => "a color: three numbers from 0 to 1".to_owned(),
-        FieldType::Size => "two whole numbers, 1 or more".to_owned(),
+        FieldType::Size => format!("two whole numbers from 1 to {MOST_SIDE}"),
         FieldType::Numbers => "a list of numbers".to_owned(),
         FieldType::Colors => "a list of colors".to_owned(),
         FieldType::Region => "a list of two corners, [(x0, y0), (x1, y1)]".to_owned(),

@@ -159,7 +159,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Depth => "modules are inside one another beyond the limit",
         Limit::Calls => "functions call one another beyond the limit",
         Limit::Operations => "an expression takes more steps than the limit",
-        Limit::Repeat => "a `repeat` makes more copies than the limit",
+        Limit::Repeat => "a `repeat` or `variant` counts beyond the limit",
         Limit::List => "a list has more values than the limit",
         Limit::Nodes => "one part of the form has more pieces than the limit",
         Limit::Steps => "a ray meets more than the limit",

@@ -1,6 +1,9 @@
 //! Mistakes in the text itself: `E01`.
 
-use treegen_grammar::{MAX_ERRORS, MAX_NESTING, MAX_SOURCE_BYTES, NumberProblem, Span, SyntaxError, SyntaxErrorKind};
+use treegen_grammar::{
+    MAX_ERRORS, MAX_NAME_BYTES, MAX_NESTING, MAX_SOURCE_BYTES, MAX_TEXT_BYTES, NumberProblem, Span, SyntaxError,
+    SyntaxErrorKind,
+};
 
 use super::one_of;
 use crate::problem::{Problem, Safety};
@@ -12,6 +15,15 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
         SyntaxErrorKind::SourceTooLong { bytes } => {
             Problem::error("E0901", "the text is too long", span, format!("{bytes} bytes"))
                 .note(format!("a file may have {MAX_SOURCE_BYTES} bytes"))
+        }
+        SyntaxErrorKind::WideCharacters => {
+            Problem::error("E0115", "the text is not in UTF-8", span, "UTF-16 or UTF-32, by its zero bytes")
+        }
+        SyntaxErrorKind::NameTooLong => {
+            Problem::error("E0906", "a name is too long", span, format!("more than {MAX_NAME_BYTES} bytes"))
+        }
+        SyntaxErrorKind::TextTooLong => {
+            Problem::error("E0907", "a text is too long", span, format!("more than {MAX_TEXT_BYTES} bytes"))
         }
         SyntaxErrorKind::NestingTooDeep => {
             Problem::error("E0903", "brackets are nested too deeply", span, format!("deeper than {MAX_NESTING} here"))
@@ -78,8 +90,9 @@ fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem
         Problem::error("E0101", format!("the character {shown} is not part of the language"), span, "not known here");
     match twin {
         Some(twin) => problem.suggest(format!("write `{twin}`"), Safety::Unsafe, span, twin),
-        None => problem
-            .note("names have letters from a to z, digits and `_`; any character may stand in texts and comments"),
+        None => problem.note(
+            "names have letters from a to z, digits and `_`; all that can be seen may stand in texts and comments",
+        ),
     }
 }
 

@@ -126,13 +126,13 @@ pub(crate) fn unknown_var(name: &str, span: Span, near: Option<&str>) -> Problem
 
 /// Rules that rewrite for ever.
 pub(crate) fn never_a_solid(module: &str, span: Span) -> Problem {
-    Problem::error(
-        "E0514",
-        format!("`{module}` never reaches a solid"),
-        span,
-        "every rule leads to further modules only",
-    )
-    .note("give it a rule that ends in a solid or in `nothing`, or a `proxy`")
+    Problem::error("E0514", format!("`{module}` never reaches a solid"), span, "none of its rules comes to an end")
+        .note("give it a rule that ends in a solid or in `nothing`, or a `proxy`")
+}
+
+/// A system that only leads to systems again.
+pub(crate) fn system_never_a_solid(system: &str, span: Span) -> Problem {
+    Problem::error("E0514", format!("`{system}` never reaches a solid"), span, "its start comes to no end")
 }
 
 /// A module's rule or proxy for a module without rules.

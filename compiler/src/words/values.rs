@@ -21,6 +21,16 @@ pub(crate) fn too_large(span: Span) -> Problem {
     Problem::error("E0905", "the program becomes too large", span, "when this is added")
 }
 
+/// Lists in lists in lists.
+pub(crate) fn lists_too_deep(most: usize, span: Span) -> Problem {
+    Problem::error(
+        "E0908",
+        "lists are nested too deeply",
+        span,
+        format!("{most} in one another, and this would be one more"),
+    )
+}
+
 /// A graph that the runtime refuses; this never happens unless the compiler is wrong.
 pub(crate) fn no_graph(error: &GraphError) -> Problem {
     let start = Span::new(FileId::MAIN, 0, 0);

@@ -16,11 +16,7 @@ pub(crate) fn line_of(text: &str, error: &SyntaxError) -> String {
     let (start, end) = (error.span.start as usize, error.span.end as usize);
     let before = &text[..start];
     let row = before.matches('\n').count() + 1;
-    let column = before
-        .rsplit('\n')
-        .next()
-        .map_or(0, |it| it.chars().count())
-        + 1;
+    let column = before.rsplit('\n').next().map_or(0, |it| it.chars().count()) + 1;
     format!("{row}:{column} `{}` {:?}", &text[start..end], error.kind)
 }
 

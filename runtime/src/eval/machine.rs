@@ -104,7 +104,8 @@ impl<'g> Machine<'g> {
                     }
                 }
                 Op::Call { to, function, args, place } => {
-                    let result = self.call(*function, args, env, Frame { site: mix(frame.site, *place), ..frame }, origin)?;
+                    let result =
+                        self.call(*function, args, env, Frame { site: mix(frame.site, *place), ..frame }, origin)?;
                     self.set(frame.base, *to, result);
                 }
                 _ => self.simple(op, env, frame).map_err(|it| it.at(origin))?,
@@ -118,7 +119,14 @@ impl<'g> Machine<'g> {
     }
 
     /// Runs a function on arguments in the caller's registers.
-    fn call(&mut self, id: FunctionId, args: &[Reg], env: &mut Env, caller: Frame, origin: Origin) -> Result<Value, Fault> {
+    fn call(
+        &mut self,
+        id: FunctionId,
+        args: &[Reg],
+        env: &mut Env,
+        caller: Frame,
+        origin: Origin,
+    ) -> Result<Value, Fault> {
         if caller.depth >= self.limits.calls {
             return Err(limit(Limit::Calls, u64::from(self.limits.calls), origin));
         }
@@ -167,7 +175,9 @@ impl<'g> Machine<'g> {
                 return operation::check(self.get(base, *value), self.get(base, *low), self.get(base, *high), name);
             }
             // These change what comes next, and are done where that is known.
-            Op::Enter(_) | Op::Leave | Op::Jump(_) | Op::JumpIf(..) | Op::JumpUnless(..) | Op::Call { .. } => return Ok(()),
+            Op::Enter(_) | Op::Leave | Op::Jump(_) | Op::JumpIf(..) | Op::JumpUnless(..) | Op::Call { .. } => {
+                return Ok(());
+            }
         };
         self.set(base, *to, value);
         Ok(())
@@ -177,12 +187,23 @@ impl<'g> Machine<'g> {
         regs.iter().map(|it| self.get(base, *it).clone()).collect()
     }
 
-    fn list(&self, base: usize, parts: &[Reg]) -> Result<Value, Failure> {
-        if parts.len() > self.limits.list as usize {
-            return Err(Failure(FaultKind::Limit { limit: Limit::List, most: u64::from(self.limits.list) }));
-        }
-        Ok(Value::List(Arc::from(self.all(base, parts).as_slice())))
+    fn list(&mut self, base: usize, parts: &[Reg]) -> Result<Value, Failure> {
+        let values = self.all(base, parts);
+        let most = self.limits.list as usize;
+        let Some(left) = left_of(most, &values) else {
+            return Err(Failure(FaultKind::Limit { limit: Limit::List, most: most as u64 }));
+        };
+        // Values that lists share are counted where they are found, and that takes time as well.
+        self.operations += (most - left) as u64;
+        Ok(Value::List(Arc::from(values.as_slice())))
     }
+}
+
+/// How many of `most` values are left after these and all that are in them.
+fn left_of(most: usize, values: &[Value]) -> Option<usize> {
+    let left = most.checked_sub(values.len())?;
+    let lists = values.iter().filter_map(|it| if let Value::List(it) = it { Some(it) } else { None });
+    lists.into_iter().try_fold(left, |left, it| left_of(left, it))
 }
 
 /// The fault of a limit that was met.

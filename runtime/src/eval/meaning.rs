@@ -35,7 +35,11 @@ impl Machine<'_> {
     pub(crate) fn numbers(&mut self, code: &Code, env: &mut Env, operation: &'static str) -> Result<Numbers, Fault> {
         let results = self.run(code, env)?;
         let origin = code.origins.last().copied().unwrap_or(Origin::NONE);
-        results.iter().map(|it| operation::number(it, operation)).collect::<Result<_, Failure>>().map_err(|it| it.at(origin))
+        results
+            .iter()
+            .map(|it| operation::number(it, operation))
+            .collect::<Result<_, Failure>>()
+            .map_err(|it| it.at(origin))
     }
 
     /// The truth of a code's one result.

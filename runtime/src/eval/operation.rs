@@ -239,9 +239,13 @@ pub(super) fn builtin(builtin: Builtin, args: &[Value]) -> Result<Value, Failure
         (Builtin::Round, [Value::Number(x)]) => plain(x.round()),
         (Builtin::Min, _) => fold(name, args, |a, b| if b < a { b } else { a }),
         (Builtin::Max, _) => fold(name, args, |a, b| if b > a { b } else { a }),
-        (Builtin::Clamp, [Value::Number(x), Value::Number(low), Value::Number(high)]) => {
-            plain(if x < low { *low } else if x > high { *high } else { *x })
-        }
+        (Builtin::Clamp, [Value::Number(x), Value::Number(low), Value::Number(high)]) => plain(if x < low {
+            *low
+        } else if x > high {
+            *high
+        } else {
+            *x
+        }),
         (Builtin::Mix, [a, b, t @ Value::Number(_)]) => {
             let step = multiply(&binary(BinaryOp::Subtract, b, a)?, t)?;
             binary(BinaryOp::Add, a, &step)

@@ -48,7 +48,9 @@ impl Place {
 
     fn name(self, name: &str) -> Self {
         // FNV-1a keeps what names are, `mix` spreads it.
-        let bytes = name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+        let bytes = name
+            .bytes()
+            .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
         Self(mix(self.0, bytes))
     }
 }

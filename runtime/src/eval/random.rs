@@ -142,7 +142,8 @@ mod tests {
     fn gauss_has_the_moments_of_the_normal_cut_at_three_sigma() {
         let count = 200_000;
         let draws: Vec<f64> = (0..count).map(|it| cut_normal(uniform(1, (it, 7)))).collect();
-        let moment = |power: i32| draws.iter().map(|it| (0..power).fold(1.0, |x, _| x * it)).sum::<f64>() / count as f64;
+        let moment =
+            |power: i32| draws.iter().map(|it| (0..power).fold(1.0, |x, _| x * it)).sum::<f64>() / count as f64;
         assert!(draws.iter().all(|it| it.abs() <= 3.0));
         // Five standard errors each.
         assert!(moment(1).abs() < 5.0 * 0.0022, "{}", moment(1));

@@ -52,7 +52,10 @@ impl Graph {
             }
             for rule in &select.rules {
                 self.check_id(rule.body, rule.origin)?;
-                rule.guard.iter().chain(&rule.weight).try_for_each(|it| self.check_code(it, Some(1), 0, rule.origin))?;
+                rule.guard
+                    .iter()
+                    .chain(&rule.weight)
+                    .try_for_each(|it| self.check_code(it, Some(1), 0, rule.origin))?;
             }
         }
         Ok(())
@@ -109,13 +112,7 @@ impl Graph {
     }
 
     /// Looks at one code: that its registers and functions are there, and that its jumps go forward.
-    fn check_code(
-        &self,
-        code: &Code,
-        results: Option<usize>,
-        params: u16,
-        origin: Origin,
-    ) -> Result<(), GraphError> {
+    fn check_code(&self, code: &Code, results: Option<usize>, params: u16, origin: Origin) -> Result<(), GraphError> {
         if results.is_some_and(|it| it != code.results.len()) || code.ops.len() != code.origins.len() {
             return Err(GraphError::Results(origin));
         }
@@ -126,10 +123,9 @@ impl Graph {
         for (number, op) in code.ops.iter().enumerate() {
             let fine = op.registers().iter().all(there)
                 && match op {
-                    Op::Call { function, args, .. } => self
-                        .functions()
-                        .get(function.0 as usize)
-                        .is_some_and(|it| usize::from(it.params) == args.len()),
+                    Op::Call { function, args, .. } => {
+                        self.functions().get(function.0 as usize).is_some_and(|it| usize::from(it.params) == args.len())
+                    }
                     Op::Param(_, param) => *param < params,
                     _ => true,
                 };

@@ -13,7 +13,8 @@ mod value;
 
 pub use code::{BinaryOp, Builtin, Code, Draw, Function, FunctionId, Op, Reg, Slot, UnaryOp};
 pub use graph::{
-    Call, Choice, Formal, Graph, GraphError, Node, NodeId, Rule, Select, SelectId, System, SystemCall, SystemId, TransformKind,
+    Call, Choice, Formal, Graph, GraphError, Node, NodeId, Rule, Select, SelectId, System, SystemCall, SystemId,
+    TransformKind,
 };
 pub use origin::Origin;
 pub use primitive::PrimitiveKind;

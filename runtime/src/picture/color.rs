@@ -10,7 +10,8 @@ const STEPS: usize = 4096;
 static LINEAR: LazyLock<Vec<f64>> = LazyLock::new(|| (0..=STEPS).map(|i| decoded(i as f64 / STEPS as f64)).collect());
 
 /// The linear values at which the byte goes up by one.
-static RISES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..255).map(|i| decoded((f64::from(i) + 0.5) / 255.0) as f32).collect());
+static RISES: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..255).map(|i| decoded((f64::from(i) + 0.5) / 255.0) as f32).collect());
 
 /// The linear value of an sRGB colour; what lies outside 0..1 is clamped. Its error is below 1e-7.
 pub(super) fn linear(srgb: DVec3) -> DVec3 {

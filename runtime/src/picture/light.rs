@@ -85,7 +85,11 @@ impl Lights {
         let sky = scene.sky.clone().unwrap_or_default();
         let suns: Vec<SunLight> = suns.iter().enumerate().filter_map(|(i, sun)| SunLight::new(sun, i as u64)).collect();
         let side = suns.first().and_then(|sun| unit(sun.toward.with_z(0.0))).unwrap_or(DVec3::ZERO);
-        Self { suns, haze: sky.haze.max(0.0), sky: SkyLight::new(&sky, side, scene.image.background == Background::Sky) }
+        Self {
+            suns,
+            haze: sky.haze.max(0.0),
+            sky: SkyLight::new(&sky, side, scene.image.background == Background::Sky),
+        }
     }
 }
 

@@ -131,7 +131,12 @@ pub struct RayCounts {
 /// # Errors
 /// The fault of the lowest pixel (row by row, from above) that meets one, or sizes beyond the limits, or the watch's wish to
 /// stop.
-pub fn render(scene: &Scene, tracer: &dyn Tracer, options: &RenderOptions, watch: &dyn Watch) -> Result<Picture, Fault> {
+pub fn render(
+    scene: &Scene,
+    tracer: &dyn Tracer,
+    options: &RenderOptions,
+    watch: &dyn Watch,
+) -> Result<Picture, Fault> {
     let view = view::View::new(scene, options)?;
     let camera = match &scene.camera {
         Some(camera) => camera.clone(),

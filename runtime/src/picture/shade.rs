@@ -126,8 +126,10 @@ impl Shader {
                 let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
                 let direction = sun.direction(key.pixel, key.sample);
                 scratch.shadow_rays.push(SurfaceRay { ray: Ray { origin: fragment.position, direction }, from });
-                let gloss =
-                    self.paint(fragment).gloss.map_or(0.0, |gloss| gloss.highlight(fragment.normal, sun.toward, ray.direction));
+                let gloss = self
+                    .paint(fragment)
+                    .gloss
+                    .map_or(0.0, |gloss| gloss.highlight(fragment.normal, sun.toward, ray.direction));
                 let light = Lit { matt: sun.color * cosine, gloss: sun.color * gloss };
                 scratch.owners.push(Owner { sample: number, fragment: fragment_number, light });
             }
@@ -201,7 +203,12 @@ impl Paint {
     fn new(material: &Material) -> Self {
         let srgb = DVec3::from_array(material.color);
         let range = DVec3::from_array(material.range);
-        Self { srgb, range: (range != DVec3::ZERO).then_some(range), linear: linear(srgb), gloss: Gloss::new(material.gloss) }
+        Self {
+            srgb,
+            range: (range != DVec3::ZERO).then_some(range),
+            linear: linear(srgb),
+            gloss: Gloss::new(material.gloss),
+        }
     }
 
     /// Its colour on the solid that has this route.

@@ -169,7 +169,8 @@ impl<'a> Painter<'a> {
         if setting.view.layers && setting.view.samples == 1 {
             self.keep_centres();
         }
-        let shaded = setting.shader.shade(setting.tracer, &self.camera_rays, &self.keys, &mut self.samples, &mut self.scratch);
+        let shaded =
+            setting.shader.shade(setting.tracer, &self.camera_rays, &self.keys, &mut self.samples, &mut self.scratch);
         shaded.map_err(|fault| self.stop(fault))?;
         for ((key, color), sample) in self.keys.iter().zip(&self.scratch.colors).zip(&self.samples) {
             self.pixels[key.slot as usize].add(*color, sample.fragments.first(), setting.rays);

@@ -37,7 +37,12 @@ fn write_channels(picture: &Picture, text: &[(String, String)], out: &mut (impl 
     image.write().non_parallel().to_unbuffered(SortedHeader::new(out)).map_err(io_error)
 }
 
-fn write_layers(picture: &Picture, layers: &Layers, text: &[(String, String)], out: &mut (impl Write + Seek)) -> io::Result<()> {
+fn write_layers(
+    picture: &Picture,
+    layers: &Layers,
+    text: &[(String, String)],
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
     let width = picture.crop.width as usize;
     let channels = SpecificChannels::build()
         .with_channel("R")
@@ -70,7 +75,11 @@ fn image<C>(picture: &Picture, attributes: LayerAttributes, channel_data: C) -> 
         attributes: LayerAttributes { layer_position: Vec2(crop.x as i32, crop.y as i32), ..attributes },
         size: Vec2(crop.width as usize, crop.height as usize),
         // Lines in order: the bytes are the same each time.
-        encoding: Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing },
+        encoding: Encoding {
+            compression: Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
     };
     let window = IntegerBounds::new((0, 0), (picture.width as usize, picture.height as usize));
     Image { attributes: ImageAttributes::new(window), layer_data: layer }
@@ -78,7 +87,8 @@ fn image<C>(picture: &Picture, attributes: LayerAttributes, channel_data: C) -> 
 
 fn attributes(text: &[(String, String)], materials: &[String]) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
-    let materials = materials.iter().enumerate().map(|(number, name)| (format!("material.{}", number + 2), name.clone()));
+    let materials =
+        materials.iter().enumerate().map(|(number, name)| (format!("material.{}", number + 2), name.clone()));
     for (name, value) in text.iter().cloned().chain(materials) {
         attributes.other.insert(utf8(&name), AttributeValue::Text(utf8(&value)));
     }

@@ -101,7 +101,8 @@ impl<'s> Expander<'s> {
     /// # Errors
     /// A fault in an evaluation on the way, or more parts than the limit.
     pub fn expand(&self, state: &State) -> Result<Group, Fault> {
-        let mut walk = Walk { expander: self, machine: self.machine(), left: self.limits.items };
+        let (left, copies) = (self.limits.items, self.limits.repeat);
+        let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
         let mut env = self.env(state);
         let mut group = Group::default();
         let (body, route) = match state.entry {
@@ -120,9 +121,7 @@ impl<'s> Expander<'s> {
     pub fn trail_step(&self, state: &State, origin: Origin) -> TrailStep {
         match state.entry {
             Entry::Select(id) => trail_step(self.graph, self.graph.select(id), &self.env(state), origin),
-            Entry::System(id) => {
-                TrailStep { name: self.graph.system(id).name.clone(), values: Vec::new(), origin }
-            }
+            Entry::System(id) => TrailStep { name: self.graph.system(id).name.clone(), values: Vec::new(), origin },
         }
     }
 
@@ -178,6 +177,8 @@ struct Walk<'e, 's> {
     machine: Machine<'s>,
     /// How many more parts it may find.
     left: u32,
+    /// How many more copies it may look into, even if there is nothing in them.
+    copies: u32,
 }
 
 impl Walk<'_, '_> {
@@ -220,6 +221,10 @@ impl Walk<'_, '_> {
                 }
                 Node::Repeat { count, index, body, origin } => {
                     let count = self.machine.whole(count, &mut here.env, "repeat", 0, *origin)?;
+                    self.copies = self.copies.checked_sub(count).ok_or_else(|| {
+                        let most = u64::from(self.expander.limits.repeat);
+                        Fault::new(FaultKind::Limit { limit: Limit::Repeat, most }, *origin)
+                    })?;
                     for number in 0..count {
                         let mut copy = here.clone();
                         copy.env.turn(*index, number);
@@ -268,16 +273,18 @@ impl Walk<'_, '_> {
     /// An operand of a Boolean, as a group in the frame of the Boolean itself.
     fn operand(&mut self, operand: NodeId, here: &Here) -> Result<Group, Fault> {
         let mut group = Group::default();
-        let inner = Here { group_from_here: DAffine3::IDENTITY, material: None, route: Route::START, env: here.env.clone() };
+        let inner =
+            Here { group_from_here: DAffine3::IDENTITY, material: None, route: Route::START, env: here.env.clone() };
         self.add(&mut group, operand, inner)?;
         Ok(group)
     }
 
     fn put(&mut self, group: &mut Group, here: &Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
         let most = self.expander.limits.items;
-        self.left = self.left.checked_sub(1).ok_or_else(|| {
-            Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin)
-        })?;
+        self.left = self
+            .left
+            .checked_sub(1)
+            .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
         let Here { group_from_here: group_from_item, material, route, .. } = *here;
         group.items.push(Item { group_from_item, material, route, solid });
         Ok(())

@@ -4,7 +4,9 @@
 //! whether anything below draws. What is not live does not tell states apart, so systems whose modules come back with the same live
 //! values have few states, however deep they go.
 
-use crate::form::{Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Slot, SystemCall, SystemId};
+use crate::form::{
+    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Slot, SystemCall, SystemId,
+};
 
 /// What is live somewhere.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

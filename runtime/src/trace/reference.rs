@@ -103,7 +103,8 @@ impl Line {
 
     /// The first surface after t = 0, and whether it is one that a difference turned inside out.
     fn first_after_start(&self) -> Option<(f64, u32, bool)> {
-        let ends = self.inside.as_slice().iter().flat_map(|it| [it.near, it.far]).map(|it| (it.t, it.surface, it.flipped));
+        let ends =
+            self.inside.as_slice().iter().flat_map(|it| [it.near, it.far]).map(|it| (it.t, it.surface, it.flipped));
         let crossings = self.crossings.iter().map(|(t, surface)| (*t, *surface, false));
         let visible = ends.chain(crossings).filter(|it| it.0 > 0.0 && it.0.is_finite());
         // Surfaces are numbered in the order written, and of two at one place the first written is seen.
@@ -376,5 +377,8 @@ fn tolerance(a: &Intervals<u32>, b: &Intervals<u32>) -> f64 {
 
 fn union(lines: Vec<Line>) -> Line {
     let inside: Vec<Intervals<u32>> = lines.iter().map(|it| it.inside.clone()).collect();
-    Line { inside: Intervals::union_of(&inside, 0.0), crossings: lines.into_iter().flat_map(|it| it.crossings).collect() }
+    Line {
+        inside: Intervals::union_of(&inside, 0.0),
+        crossings: lines.into_iter().flat_map(|it| it.crossings).collect(),
+    }
 }

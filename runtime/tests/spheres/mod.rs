@@ -65,7 +65,8 @@ pub(crate) fn sun(direction: [f64; 3]) -> Sun {
 impl Spheres {
     /// The nearest thing ahead, but for the one the ray starts on: all are convex.
     fn nearest(&self, ray: &Ray, from: Option<u32>) -> Option<(f64, u32)> {
-        let ground = (self.ground && from != Some(0) && ray.direction.z != 0.0).then(|| (-ray.origin.z / ray.direction.z, 0));
+        let ground =
+            (self.ground && from != Some(0) && ray.direction.z != 0.0).then(|| (-ray.origin.z / ray.direction.z, 0));
         let spheres = self.spheres.iter().zip(1..).filter(|(_, number)| from != Some(*number));
         spheres
             .filter_map(|(sphere, number)| Some((sphere.enter(ray)?, number)))

@@ -258,6 +258,27 @@ fn a_cycle_that_shrinks_has_bounds() {
 }
 
 #[test]
+fn a_cycle_that_shrinks_as_it_turns_has_bounds() {
+    // A ball, and twice the whole again: the boxes of boxes turned by 45 degrees grow faster than the copies shrink.
+    let mut b = Builder::default();
+    let stop = b.primitive(PrimitiveKind::Sphere, &[]);
+    let mut parts = vec![b.primitive(PrimitiveKind::Sphere, &[])];
+    for (angle, offset) in [(45.0, 1.2), (-45.0, -1.2)] {
+        let call = b.call(0, slot_and(Slot(0), BinaryOp::Add, 0.0));
+        let scaled = b.transform(TransformKind::UScale, &[0.8], call);
+        let turned = b.transform(TransformKind::RotZ, &[angle], scaled);
+        parts.push(b.transform(TransformKind::Move, &[offset, 0.0, 0.0], turned));
+    }
+    let go = b.union(&parts);
+    b.module(stop, go);
+    let start = b.call(0, numbers(&[1.0]));
+    let scene = b.scene(start);
+    let bounds = tracer(&scene, &Limits::default(), Culling::State).finite_bounds().expect("it shrinks");
+    // No point is further out than 1.2 (1 + .8 + .8² + ...) + 1 = 7, and some are further than the first copies.
+    assert!(bounds.max.x > 1.9 && bounds.max.x < 7.01 * 2.0, "{bounds:?}");
+}
+
+#[test]
 fn a_cycle_that_does_not_shrink_is_endless() {
     for factor in [1.0, 1.001, -1.0] {
         let scene = endless(3.0, factor);

@@ -105,6 +105,12 @@ impl Loose {
         }
     }
 
+    /// The same ball, with the box around it.
+    fn around_ball(&self) -> Self {
+        let bounds = ball_box(self.center, self.radius);
+        if self.bounds.is_empty() || !bounds.is_finite() { *self } else { Self { bounds, finite: bounds, ..*self } }
+    }
+
     /// At least the greatest `direction · p`.
     pub(super) fn support(&self, direction: DVec3) -> f64 {
         if self.bounds.is_empty() {
@@ -321,18 +327,22 @@ impl Search<'_, '_> {
             // Round and round, and never a primitive: there is nothing that could be drawn.
             return Ok(None);
         }
-        let mut factor = 1.0 + 1e-3;
-        // Up to 2^40 times as far. Further out, adding what a step of the cycle moves by would be lost in rounding.
-        for _ in 0..50 {
-            let mut guess: Vec<Loose> = reached.iter().map(|it| it.inflated(factor)).collect();
-            if holds(&guess, &step(&guess)?) {
-                // What is made from bounds that hold holds as well, and is smaller.
-                for _ in 0..24 {
-                    guess = step(&guess)?;
+        // Boxes may grow as they turn though what is in them shrinks; the box around a ball does not.
+        let balls: Vec<Loose> = reached.iter().map(Loose::around_ball).collect();
+        for start in [reached, balls] {
+            let mut factor = 1.0 + 1e-3;
+            // Up to 2^40 times as far. Further out, adding what a step of the cycle moves by would be lost in rounding.
+            for _ in 0..50 {
+                let mut guess: Vec<Loose> = start.iter().map(|it| it.inflated(factor)).collect();
+                if holds(&guess, &step(&guess)?) {
+                    // What is made from bounds that hold holds as well, and is smaller.
+                    for _ in 0..24 {
+                        guess = step(&guess)?;
+                    }
+                    return Ok(Some(guess));
                 }
-                return Ok(Some(guess));
+                factor = 1.0 + (factor - 1.0) * 2.0;
             }
-            factor = 1.0 + (factor - 1.0) * 2.0;
         }
         Ok(None)
     }

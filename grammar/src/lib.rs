@@ -42,6 +42,7 @@ pub const MAX_NAME_BYTES: usize = 256;
 pub const MAX_TEXT_BYTES: usize = 64 << 10;
 
 /// What LALRPOP makes of `grammar.lalrpop`.
+// Its code is generated, so the lints are for its generator.
 #[allow(clippy::all, clippy::unwrap_used, clippy::needless_pass_by_value, clippy::cloned_instead_of_copied)]
 #[allow(clippy::semicolon_if_nothing_returned, clippy::panic, unused_imports, unreachable_pub, missing_docs)]
 mod grammar {

@@ -10,8 +10,10 @@ pub mod eval;
 pub mod fault;
 pub mod form;
 pub mod geometry;
+mod abstraction;
 mod limits;
 pub mod picture;
+mod quick_hash;
 pub mod trace;
 
 pub use fault::{Fault, FaultKind, Limit, TrailStep};

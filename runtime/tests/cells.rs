@@ -131,7 +131,7 @@ fn the_budget_changes_no_bit() {
     for (number, scene) in scenes.enumerate() {
         let rich = picture(&tracer(&scene, &Limits::default(), Culling::State), &rays);
         for cell_bytes in [0, 20_000] {
-            let poor = Limits { cell_bytes, ..Limits::default() };
+            let poor = Limits { kept_bytes: cell_bytes, ..Limits::default() };
             let tracer = tracer(&scene, &poor, Culling::State);
             assert!(picture(&tracer, &rays) == rich, "scene {number} with {cell_bytes} bytes");
         }
@@ -144,7 +144,7 @@ fn threads_that_share_few_cells_see_the_same() {
     let rays = common::ray_bundle(20, 1.4);
     let alone = picture(&tracer(&scene, &Limits::default(), Culling::State), &rays);
     for cell_bytes in [0, 60_000] {
-        let shared = tracer(&scene, &Limits { cell_bytes, ..Limits::default() }, Culling::State);
+        let shared = tracer(&scene, &Limits { kept_bytes: cell_bytes, ..Limits::default() }, Culling::State);
         thread::scope(|scope| {
             let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| picture(&shared, &rays))).collect();
             for thread in threads {
@@ -208,7 +208,7 @@ fn booleans_inside_one_another_cost_no_stack() {
     let thread = thread::Builder::new().stack_size(1 << 20).spawn(move || {
         let ray = Ray { origin: DVec3::new(0.1, 0.2, 5.0), direction: DVec3::NEG_Z };
         for cell_bytes in [1 << 30, 0] {
-            let limits = Limits { cell_bytes, ..Limits::default() };
+            let limits = Limits { kept_bytes: cell_bytes, ..Limits::default() };
             let samples = look(&tracer(&scene, &limits, Culling::State), &[ray]);
             assert!((depth(&samples[0]).expect("the first cube") - 4.0).abs() < 1e-12);
         }

@@ -231,7 +231,7 @@ fn no_rule(graph: &Graph, select: &Select, env: &Env) -> Fault {
 }
 
 /// The matrix of a kind of transformation; `None` where the numbers make none.
-fn matrix(kind: TransformKind, values: &[f64]) -> Option<DAffine3> {
+pub(crate) fn matrix(kind: TransformKind, values: &[f64]) -> Option<DAffine3> {
     let linear = |x: [f64; 3], y: [f64; 3], z: [f64; 3]| {
         DAffine3::from_mat3(DMat3::from_cols(DVec3::from(x), DVec3::from(y), DVec3::from(z)))
     };
@@ -269,7 +269,7 @@ fn matrix(kind: TransformKind, values: &[f64]) -> Option<DAffine3> {
 }
 
 /// The direction of a vector; `None` when it has none.
-fn unit(x: f64, y: f64, z: f64) -> Option<DVec3> {
+pub(crate) fn unit(x: f64, y: f64, z: f64) -> Option<DVec3> {
     let vector = DVec3::new(x, y, z);
     // Scaled first, so that no square overflows or vanishes.
     let largest = vector.abs().max_element();

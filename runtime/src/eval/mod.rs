@@ -1,16 +1,16 @@
 //! Evaluation: the machine that runs compiled expressions, and what the nodes of a graph mean in an environment.
 
-mod angle;
+pub(crate) mod angle;
 mod env;
 mod machine;
 mod meaning;
 mod noise;
-mod operation;
+pub(crate) mod operation;
 mod path;
 mod random;
 
 pub use env::Env;
 pub use machine::{Machine, Results};
-pub(crate) use meaning::trail_step;
+pub(crate) use meaning::{matrix, trail_step, unit};
 pub(crate) use path::spread;
 pub use path::{Path, Place};

@@ -10,11 +10,11 @@ use crate::form::{BinaryOp, Builtin, Draw, Origin, UnaryOp, Value, Vector};
 
 /// What went wrong in an operation; where is known to whoever runs it.
 #[derive(Debug)]
-pub(super) struct Failure(pub(super) FaultKind);
+pub(crate) struct Failure(pub(crate) FaultKind);
 
 impl Failure {
     /// The fault of this failure at a place.
-    pub(super) fn at(self, origin: Origin) -> Fault {
+    pub(crate) fn at(self, origin: Origin) -> Fault {
         Fault::new(self.0, origin)
     }
 
@@ -46,7 +46,7 @@ fn sound_vector(value: Vector, operation: &'static str, operands: &[Value]) -> R
 }
 
 /// The truth of a value.
-pub(super) fn truth(value: &Value) -> Result<bool, Failure> {
+pub(crate) fn truth(value: &Value) -> Result<bool, Failure> {
     match value {
         Value::Bool(truth) => Ok(*truth),
         _ => Err(Failure::types("if", std::slice::from_ref(value))),
@@ -54,7 +54,7 @@ pub(super) fn truth(value: &Value) -> Result<bool, Failure> {
 }
 
 /// The number that a value is.
-pub(super) fn number(value: &Value, operation: &'static str) -> Result<f64, Failure> {
+pub(crate) fn number(value: &Value, operation: &'static str) -> Result<f64, Failure> {
     match value {
         Value::Number(number) => Ok(*number),
         _ => Err(Failure::types(operation, std::slice::from_ref(value))),
@@ -62,7 +62,7 @@ pub(super) fn number(value: &Value, operation: &'static str) -> Result<f64, Fail
 }
 
 /// Operators with one operand.
-pub(super) fn unary(op: UnaryOp, a: &Value) -> Result<Value, Failure> {
+pub(crate) fn unary(op: UnaryOp, a: &Value) -> Result<Value, Failure> {
     match (op, a) {
         (UnaryOp::Negate, Value::Number(a)) => Ok(Value::Number(-a)),
         (UnaryOp::Negate, Value::Vector(a)) => Ok(Value::Vector(a.map(|it| -it))),
@@ -73,7 +73,7 @@ pub(super) fn unary(op: UnaryOp, a: &Value) -> Result<Value, Failure> {
 }
 
 /// Operators with two operands.
-pub(super) fn binary(op: BinaryOp, a: &Value, b: &Value) -> Result<Value, Failure> {
+pub(crate) fn binary(op: BinaryOp, a: &Value, b: &Value) -> Result<Value, Failure> {
     match op {
         BinaryOp::Equal => Ok(Value::Bool(equal(a, b)?)),
         BinaryOp::NotEqual => Ok(Value::Bool(!equal(a, b)?)),
@@ -140,26 +140,26 @@ fn multiply(a: &Value, b: &Value) -> Result<Value, Failure> {
 
 fn divide(a: &Value, b: &Value) -> Result<Value, Failure> {
     match (a, b) {
+        // 1 / 0 is infinite and so caught; inf / 0 must be too.
+        (Value::Number(_) | Value::Vector(_), Value::Number(0.0)) => {
+            Err(Failure(FaultKind::NotANumber { operation: "/", operands: vec![a.clone(), b.clone()] }))
+        }
         (Value::Vector(vector), Value::Number(divisor)) => {
             sound_vector(vector.map(|it| it / divisor), "/", &[a.clone(), b.clone()])
-        }
-        // 1 / 0 is infinite and so caught; inf / 0 must be too.
-        (Value::Number(_), Value::Number(0.0)) => {
-            Err(Failure(FaultKind::NotANumber { operation: "/", operands: vec![a.clone(), b.clone()] }))
         }
         _ => numbers("/", a, b, |a, b| a / b),
     }
 }
 
 /// `(a, b, ...)`
-pub(super) fn vector(parts: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn vector(parts: &[Value]) -> Result<Value, Failure> {
     let numbers: Option<Vec<f64>> =
         parts.iter().map(|it| if let Value::Number(it) = it { Some(*it) } else { None }).collect();
     numbers.and_then(|it| Vector::new(&it)).map(Value::Vector).ok_or_else(|| Failure::types("( , )", parts))
 }
 
 /// `list[index]`
-pub(super) fn index(list: &Value, index: &Value) -> Result<Value, Failure> {
+pub(crate) fn index(list: &Value, index: &Value) -> Result<Value, Failure> {
     let (Value::List(values), Value::Number(number)) = (list, index) else {
         return Err(Failure::types("[ ]", &[list.clone(), index.clone()]));
     };
@@ -171,7 +171,7 @@ pub(super) fn index(list: &Value, index: &Value) -> Result<Value, Failure> {
 }
 
 /// `vector.x`
-pub(super) fn part(vector: &Value, number: u8) -> Result<Value, Failure> {
+pub(crate) fn part(vector: &Value, number: u8) -> Result<Value, Failure> {
     match vector {
         Value::Vector(it) => it.parts().get(usize::from(number)).map(|it| Value::Number(*it)),
         _ => None,
@@ -180,7 +180,7 @@ pub(super) fn part(vector: &Value, number: u8) -> Result<Value, Failure> {
 }
 
 /// A formal's or `param`'s range.
-pub(super) fn check(value: &Value, low: &Value, high: &Value, name: &Arc<str>) -> Result<(), Failure> {
+pub(crate) fn check(value: &Value, low: &Value, high: &Value, name: &Arc<str>) -> Result<(), Failure> {
     let (value, low, high) = (number(value, "in")?, number(low, "..")?, number(high, "..")?);
     if low <= value && value <= high {
         return Ok(());
@@ -189,7 +189,7 @@ pub(super) fn check(value: &Value, low: &Value, high: &Value, name: &Arc<str>) -
 }
 
 /// What a draw gives for a uniform number in [0, 1).
-pub(super) fn distribute(draw: Draw, uniform: f64, args: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn distribute(draw: Draw, uniform: f64, args: &[Value]) -> Result<Value, Failure> {
     match (draw, args) {
         (Draw::Uniform, [Value::Number(low), Value::Number(high)]) => {
             sound(low + (high - low) * uniform, "random", args).map(Value::Number)
@@ -205,7 +205,7 @@ pub(super) fn distribute(draw: Draw, uniform: f64, args: &[Value]) -> Result<Val
 }
 
 /// `noise(p)` of a number or a vector of up to three parts.
-pub(super) fn noise(seed: u64, args: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn noise(seed: u64, args: &[Value]) -> Result<Value, Failure> {
     let point = match args {
         [Value::Number(x)] => [*x, 0.0, 0.0],
         [Value::Vector(it)] => match it.parts() {
@@ -219,7 +219,7 @@ pub(super) fn noise(seed: u64, args: &[Value]) -> Result<Value, Failure> {
 }
 
 /// The built-in functions that need nothing but their arguments.
-pub(super) fn builtin(builtin: Builtin, args: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn builtin(builtin: Builtin, args: &[Value]) -> Result<Value, Failure> {
     let name = builtin.name();
     let plain = |value: f64| sound(value, name, args).map(Value::Number);
     match (builtin, args) {
@@ -263,7 +263,7 @@ pub(super) fn builtin(builtin: Builtin, args: &[Value]) -> Result<Value, Failure
         },
         (Builtin::Norm, [Value::Vector(a)]) => plain(norm(a)),
         (Builtin::Unit, [Value::Vector(a)]) => {
-            let length = norm(a);
+            let length = sound(norm(a), name, args)?;
             if length == 0.0 {
                 return Err(Failure(FaultKind::NotANumber { operation: name, operands: args.to_vec() }));
             }

@@ -225,7 +225,7 @@ impl Op {
     }
 
     /// Where it may jump to.
-    pub(super) fn target(&self) -> Option<u32> {
+    pub(crate) fn target(&self) -> Option<u32> {
         match self {
             Self::Jump(target) | Self::JumpIf(_, target) | Self::JumpUnless(_, target) => Some(*target),
             _ => None,

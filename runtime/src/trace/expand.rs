@@ -10,7 +10,7 @@ use super::Route;
 use super::liveness::{Live, Liveness};
 use crate::eval::{Env, Machine, Path, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, SystemId, Value};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, Slot, SystemId, Value};
 use crate::geometry::Primitive;
 use crate::limits::Limits;
 
@@ -23,6 +23,14 @@ pub struct State {
     pub slots: Box<[Value]>,
     /// The path, if anything below draws.
     pub path: Option<Path>,
+}
+
+impl State {
+    /// About how many bytes it takes. Lists are shared, and counted by their places only.
+    pub(super) fn bytes(&self) -> usize {
+        let of = |value: &Value| if let Value::List(it) = value { size_of_val(&**it) } else { 0 };
+        size_of::<Self>() + size_of_val(&*self.slots) + self.slots.iter().map(of).sum::<usize>()
+    }
 }
 
 /// The nodes where states are.
@@ -101,8 +109,13 @@ impl<'s> Expander<'s> {
     /// # Errors
     /// A fault in an evaluation on the way, or more parts than the limit.
     pub fn expand(&self, state: &State) -> Result<Group, Fault> {
+        self.expand_with(&mut self.machine(), state)
+    }
+
+    /// The same on a machine that is there already.
+    pub(super) fn expand_with(&self, machine: &mut Machine<'s>, state: &State) -> Result<Group, Fault> {
         let (left, copies) = (self.limits.items, self.limits.repeat);
-        let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
+        let mut walk = Walk { expander: self, machine, left, copies };
         let mut env = self.env(state);
         let mut group = Group::default();
         let (body, route) = match state.entry {
@@ -125,8 +138,14 @@ impl<'s> Expander<'s> {
         }
     }
 
-    fn machine(&self) -> Machine<'s> {
+    /// A machine for this scene.
+    pub(super) fn machine(&self) -> Machine<'s> {
         Machine::new(self.graph.functions(), self.seed, &self.limits)
+    }
+
+    /// The slots that states of an entry have the values of.
+    pub(super) fn live_slots(&self, entry: Entry) -> &[Slot] {
+        &self.live(entry).slots
     }
 
     fn live(&self, entry: Entry) -> &Live {
@@ -174,7 +193,7 @@ struct Here {
 /// A walk through the nodes of one state.
 struct Walk<'e, 's> {
     expander: &'e Expander<'s>,
-    machine: Machine<'s>,
+    machine: &'e mut Machine<'s>,
     /// How many more parts it may find.
     left: u32,
     /// How many more copies it may look into, even if there is nothing in them.

@@ -150,8 +150,9 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let instance = &place.cell.instances[number as usize];
         let part = &place.cell.parts[instance.part as usize];
         let levels = place.levels + part.levels;
-        let store = self.tracing.store;
-        let led = |fault| super::store::led_by(fault, std::iter::once(store.step(instance.state, part.origin)));
+        let (store, generation) = (self.tracing.store, self.generation);
+        let step = || store.step(generation, instance.state, part.origin);
+        let led = |fault| super::store::led_by(fault, std::iter::once(step()));
         let position = place.position + 1;
         let from = if place.from == instance.part { self.ask.start_part(position) } else { NONE };
         // Boxes are always met from the point nearest the centre.
@@ -163,12 +164,15 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels };
         let range = (steps.inwards(range.0), steps.inwards(range.1));
         let tolerance = steps.length_inwards(tolerance);
-        let generation = self.generation;
         let line = match store.cell(generation, instance.state).map_err(led)? {
             Some(cell) => self.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?,
             None => {
-                let cell = super::build::build(store, instance.state).map_err(led)?;
-                self.whole(&inner(&cell), part.origin, range, tolerance).map_err(led)?
+                let apart = generation.apart(instance.state);
+                let Some(cell) = store.cell(&apart, super::ROOT).map_err(led)? else {
+                    return Ok(Line::empty());
+                };
+                let mut pieces = Pieces { tracing: self.tracing, generation: &apart, ask: &mut *self.ask };
+                pieces.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?
             }
         };
         Ok(outwards(&line, steps))

@@ -11,12 +11,13 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3};
 
-use super::bounds::primitive_bounds;
 use super::bvh::{self, Boxed, area};
 use super::cell::{Boolean, Cell, Frame, Instance, Leaf, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
-use super::store::{Store, led_by};
+use super::store::{Generation, Store, led_by};
+use super::workshop::Workshop;
+use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Primitive};
@@ -26,8 +27,6 @@ use crate::trace::Route;
 const ENOUGH: usize = 64;
 /// Members that merging never goes beyond.
 const MOST: usize = 256;
-/// Primitives of a state that is always merged.
-const SMALL: usize = 16;
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
 /// Boxes of a Boolean's operand below which it is not worth a node.
@@ -41,59 +40,17 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// What fails in expanding what is in the state, or in finding how far it reaches.
-pub(super) fn build(store: &Store, state: u32) -> Result<Cell, Fault> {
-    let frame = store.frame(state)?;
-    let drafts = Merge { store, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
-    let mut layout = Layout { store, frame, cell: Cell::default() };
+pub(super) fn build(store: &Store, generation: &Generation, number: u32) -> Result<Cell, Fault> {
+    let mut shop = store.workshop();
+    let state = shop.number_of(&generation.state(number));
+    let frame = shop.frame(state)?;
+    let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
+    let mut layout = Layout { shop: &mut shop, generation, frame, cell: Cell::default() };
     layout.cell.unions.push(Union::default());
     let (union, _) = layout.union(drafts, 1)?;
     layout.cell.unions[0] = union;
     layout.cell.levels = layout.cell.parts.iter().map(|it| it.levels).max().unwrap_or(0);
     Ok(layout.cell.shrunk())
-}
-
-impl Store<'_> {
-    /// The frame of a state's cell.
-    ///
-    /// # Errors
-    /// What fails in finding its bounds.
-    pub(super) fn frame(&self, state: u32) -> Result<Frame, Fault> {
-        Ok(Frame::around(&self.loose(state)?.finite))
-    }
-
-    /// Whether a state stands for [`SMALL`] primitives or less, and says so soon.
-    fn is_small(&self, state: u32) -> Result<bool, Fault> {
-        let known = &self.known(state).small;
-        if let Some(small) = known.get() {
-            return Ok(*small);
-        }
-        let small = self.count_few(state)?;
-        Ok(*known.get_or_init(|| small))
-    }
-
-    fn count_few(&self, state: u32) -> Result<bool, Fault> {
-        let (mut primitives, mut opened) = (0, 0);
-        let mut inside = vec![state];
-        while let Some(state) = inside.pop() {
-            let pieces = self.pieces(state)?;
-            opened += 1;
-            primitives += leaves(pieces);
-            if primitives > SMALL || opened > 2 * SMALL {
-                return Ok(false);
-            }
-            Piece::instances(pieces, &mut |it, _| inside.push(it));
-        }
-        Ok(true)
-    }
-}
-
-fn leaves(pieces: &[Piece]) -> usize {
-    let of_piece = |it: &Piece| match &it.shape {
-        Shape::Leaf(..) => 1,
-        Shape::Instance(..) => 0,
-        Shape::Intersect(operands) | Shape::Difference(operands) => operands.iter().map(|it| leaves(it)).sum(),
-    };
-    pieces.iter().map(of_piece).sum()
 }
 
 /// A part of a cell to be.
@@ -110,6 +67,8 @@ struct Way {
     route: Route,
     frozen: bool,
     levels: u32,
+    /// Whether it leads through a small state.
+    small: bool,
 }
 
 enum Outline {
@@ -120,7 +79,14 @@ enum Outline {
 
 impl Way {
     const START: Self =
-        Self { state_from_inner: DAffine3::IDENTITY, material: None, route: Route::START, frozen: false, levels: 0 };
+        Self {
+            state_from_inner: DAffine3::IDENTITY,
+            material: None,
+            route: Route::START,
+            frozen: false,
+            levels: 0,
+            small: false,
+        };
 
     fn to(self, piece: &Piece) -> Self {
         Self {
@@ -135,25 +101,27 @@ impl Way {
 /// Puts drafts of the pieces into `drafts`; small states are merged.
 ///
 /// It calls itself for Booleans, whose nesting the grammar limits, and for small states, which are not deep.
-fn draft(store: &Store, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
+fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
     for piece in pieces {
         let way = way.to(piece);
         let shape = match &piece.shape {
             Shape::Leaf(primitive, origin) => Outline::Leaf(**primitive, *origin),
             Shape::Instance(state, origin) => {
                 let inner = Way { levels: way.levels + 1, ..way };
-                if store.is_small(*state).map_err(|it| called(store, *state, *origin, it))? {
-                    draft(store, store.pieces(*state)?, inner, drafts)?;
+                // What is in a small state is small as well.
+                if way.small || shop.is_small(*state).map_err(|it| called(shop, *state, *origin, it))? {
+                    let pieces = shop.pieces(*state).map_err(|it| called(shop, *state, *origin, it))?;
+                    draft(shop, &pieces, Way { small: true, ..inner }, drafts)?;
                     continue;
                 }
                 drafts.push(Draft { way: inner, shape: Outline::Instance(*state, *origin) });
                 continue;
             }
             Shape::Intersect(operands) => {
-                Outline::Boolean { difference: false, operands: draft_all(store, operands, way)? }
+                Outline::Boolean { difference: false, operands: draft_all(shop, operands, way)? }
             }
             Shape::Difference(operands) => {
-                Outline::Boolean { difference: true, operands: draft_all(store, operands, way)? }
+                Outline::Boolean { difference: true, operands: draft_all(shop, operands, way)? }
             }
         };
         drafts.push(Draft { way, shape });
@@ -161,24 +129,24 @@ fn draft(store: &Store, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> 
     Ok(())
 }
 
-fn draft_all(store: &Store, operands: &[Box<[Piece]>], way: Way) -> Result<Vec<Vec<Draft>>, Fault> {
+fn draft_all(shop: &mut Workshop, operands: &[Box<[Piece]>], way: Way) -> Result<Vec<Vec<Draft>>, Fault> {
     let way = Way { frozen: true, ..way };
     operands
         .iter()
         .map(|pieces| {
             let mut drafts = Vec::new();
-            draft(store, pieces, way, &mut drafts).map(|()| drafts)
+            draft(shop, pieces, way, &mut drafts).map(|()| drafts)
         })
         .collect()
 }
 
-fn called(store: &Store, state: u32, origin: Origin, fault: Fault) -> Fault {
-    led_by(fault, std::iter::once(store.step(state, origin)))
+fn called(shop: &mut Workshop, state: u32, origin: Origin, fault: Fault) -> Fault {
+    led_by(fault, std::iter::once(shop.step(state, origin)))
 }
 
 /// Merging: a list of drafts in which some instances stand for what replaced them.
-struct Merge<'a, 's> {
-    store: &'a Store<'s>,
+struct Merge<'w, 'a, 's> {
+    shop: &'w mut Workshop<'a, 's>,
     slots: Vec<Slot>,
     heap: BinaryHeap<Candidate>,
 }
@@ -215,7 +183,7 @@ impl Ord for Candidate {
     }
 }
 
-impl Merge<'_, '_> {
+impl Merge<'_, '_, '_> {
     fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
         let top = self.open(state, Way::START)?;
         let mut members = top.len();
@@ -229,7 +197,7 @@ impl Merge<'_, '_> {
             };
             let way = self.slots[slot].draft.way;
             let before = self.slots.len();
-            let range = self.open(state, way).map_err(|it| called(self.store, state, origin, it))?;
+            let range = self.open(state, way).map_err(|it| called(self.shop, state, origin, it))?;
             if members - 1 + range.len() > MOST {
                 self.slots.truncate(before);
                 self.heap.retain(|it| it.slot < before);
@@ -245,11 +213,12 @@ impl Merge<'_, '_> {
     /// Adds slots for what is in a state.
     fn open(&mut self, state: u32, way: Way) -> Result<Range<usize>, Fault> {
         let mut drafts = Vec::new();
-        draft(self.store, self.store.pieces(state)?, way, &mut drafts)?;
+        let pieces = self.shop.pieces(state)?;
+        draft(self.shop, &pieces, way, &mut drafts)?;
         let start = self.slots.len();
         for draft in drafts {
             if let Outline::Instance(state, _) = draft.shape {
-                let bounds = self.store.loose(state)?.mapped(&draft.way.state_from_inner).bounds;
+                let bounds = self.shop.loose_through(state, &draft.way.state_from_inner)?.bounds;
                 let area = if bounds.is_empty() || bounds.is_finite() { area(&bounds) } else { f64::INFINITY };
                 self.heap.push(Candidate { area, slot: self.slots.len() });
             }
@@ -279,13 +248,14 @@ impl Merge<'_, '_> {
 }
 
 /// Lays a cell out.
-struct Layout<'a, 's> {
-    store: &'a Store<'s>,
+struct Layout<'w, 'a, 's> {
+    shop: &'w mut Workshop<'a, 's>,
+    generation: &'w Generation,
     frame: Frame,
     cell: Cell,
 }
 
-impl Layout<'_, '_> {
+impl Layout<'_, '_, '_> {
     /// A union of drafts, and its box in the state's frame. Fewer than `least` boxes do without a node.
     fn union(&mut self, drafts: Vec<Draft>, least: usize) -> Result<(Union, Aabb), Fault> {
         let mut whole = Aabb::EMPTY;
@@ -330,10 +300,11 @@ impl Layout<'_, '_> {
     fn instance(&mut self, way: &Way, state: u32, origin: Origin) -> Result<(Ref, Aabb), Fault> {
         let member = Ref::new(Named::Instance(self.cell.instances.len() as u32));
         let part = self.part(member, way, origin);
-        let inner_from_state = self.store.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
+        let inner_from_state = self.shop.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
         let inwards = Inwards::new(inner_from_state * self.frame.state_from_cell());
-        self.cell.instances.push(Instance { way: inwards, state, part });
-        let bounds = self.store.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
+        let number = self.generation.number(&self.shop.state(state));
+        self.cell.instances.push(Instance { way: inwards, state: number, part });
+        let bounds = self.shop.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
         Ok((member, bounds))
     }
 

@@ -12,7 +12,6 @@
 
 mod ask;
 mod boolean;
-mod bounds;
 mod build;
 mod bvh;
 mod cell;
@@ -24,6 +23,7 @@ mod resolve;
 mod store;
 mod support;
 mod traverse;
+mod workshop;
 
 pub use store::Counts;
 
@@ -39,6 +39,9 @@ use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
 use crate::limits::Limits;
 
+/// The number of the scene's state in every generation, and of the state that a generation apart begins with.
+const ROOT: u32 = 0;
+
 /// What is not looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Culling {
@@ -53,7 +56,6 @@ pub enum Culling {
 pub struct CellTracer<'s> {
     store: Store<'s>,
     culling: Culling,
-    root: u32,
     /// From the world to the frame of the scene's cell.
     cell_from_world: Inwards,
 }
@@ -64,10 +66,13 @@ impl<'s> CellTracer<'s> {
     /// # Errors
     /// What fails in expanding the scene as far as its bounds need.
     pub fn new(scene: &'s Scene, limits: &Limits, culling: Culling) -> Result<Self, Fault> {
-        let store = Store::new(scene, limits);
-        let root = store.root()?;
-        let cell_from_world = Inwards::new(store.frame(root)?.cell_from_state());
-        Ok(Self { store, culling, root, cell_from_world })
+        let store = Store::new(scene, limits)?;
+        let frame = {
+            let mut workshop = store.workshop();
+            let root = workshop.number_of(store.root());
+            workshop.frame(root)?
+        };
+        Ok(Self { store, culling, cell_from_world: Inwards::new(frame.cell_from_state()) })
     }
 
     /// What has been kept so far.
@@ -81,9 +86,7 @@ impl<'s> CellTracer<'s> {
 /// # Errors
 /// What fails in expanding the scene as far as its bounds need.
 pub fn finite_bounds(scene: &Scene, limits: &Limits) -> Result<Aabb, Fault> {
-    let store = Store::new(scene, limits);
-    let root = store.root()?;
-    store.finite_bounds(root)
+    Store::new(scene, limits)?.finite_bounds()
 }
 
 impl Tracer for CellTracer<'_> {
@@ -100,7 +103,7 @@ impl Tracer for CellTracer<'_> {
     }
 
     fn finite_bounds(&self) -> Result<Aabb, Fault> {
-        self.store.finite_bounds(self.root)
+        self.store.finite_bounds()
     }
 }
 
@@ -227,7 +230,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
 
     #[inline(always)]
     fn ask(&mut self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
-        let (store, state) = (self.tracing.store, self.tracer.root);
+        let (store, state) = (self.tracing.store, ROOT);
         let from = ask.start_part(0);
         let kept = match self.generation.kept(state) {
             Some(cell) => Some(cell),
@@ -244,11 +247,14 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     #[cold]
     #[inline(never)]
     fn ask_unkept(&self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
-        let (state, from) = (self.tracer.root, ask.start_part(0));
-        let cell = build::build(self.tracing.store, state)?;
+        let (state, from) = (ROOT, ask.start_part(0));
+        let apart = self.generation.apart(state);
+        let Some(cell) = self.tracing.store.cell(&apart, ROOT)? else {
+            return Ok(());
+        };
         let mut scratch = Scratch::default();
-        let start = Start { cell: &cell, state, called: Origin::NONE, ray, from, levels: 0 };
-        self.tracing.search(self.generation, &mut scratch, ask, start)
+        let start = Start { cell, state, called: Origin::NONE, ray, from, levels: 0 };
+        self.tracing.search(&apart, &mut scratch, ask, start)
     }
 
     fn resolve(&self, ray: &Ray, local: Local, ask: Ask, sample: &mut Sample) -> Result<(), Fault> {
@@ -256,6 +262,6 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             return Ok(());
         };
         let hit = Hit { ray, local, depth: ask.best, found };
-        resolve::fragment(self.tracing.store, self.generation, self.tracer.root, hit, sample)
+        resolve::fragment(self.tracing.store, self.generation, hit, sample)
     }
 }

@@ -2,10 +2,9 @@
 
 use glam::DAffine3;
 
-use super::store::Store;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::Primitive;
-use crate::trace::{Group, Item, Route, Solid};
+use crate::trace::{Group, Item, Route, Solid, State};
 
 /// One part of what a state expands to.
 #[derive(Debug)]
@@ -30,38 +29,37 @@ pub(super) enum Shape {
 }
 
 impl Piece {
-    /// The parts of a group.
-    pub(super) fn of_group(store: &Store, group: Group) -> Box<[Self]> {
-        group.items.into_iter().map(|it| Self::of_item(store, it)).collect()
+    /// The parts of a group; `number` gives states their numbers.
+    pub(super) fn of_group(number: &mut impl FnMut(State) -> u32, group: Group) -> Vec<Self> {
+        group.items.into_iter().map(|it| Self::of_item(number, it)).collect()
     }
 
     // Booleans nest as deep as the text of one rule does, which the grammar limits.
-    fn of_item(store: &Store, item: Item) -> Self {
+    fn of_item(number: &mut impl FnMut(State) -> u32, item: Item) -> Self {
         let Item { group_from_item: outer_from_inner, material, route, solid } = item;
         let shape = match solid {
             Solid::Leaf { primitive, origin } => Shape::Leaf(Box::new(primitive), origin),
-            Solid::Instance(state, origin) => Shape::Instance(store.number(state), origin),
+            Solid::Instance(state, origin) => Shape::Instance(number(state), origin),
             Solid::Intersect(operands) => {
-                Shape::Intersect(operands.into_iter().map(|it| Self::of_group(store, it)).collect())
+                Shape::Intersect(operands.into_iter().map(|it| Self::of_group(number, it).into()).collect())
             }
             Solid::Difference(first, others) => {
                 let operands = std::iter::once(*first).chain(others);
-                Shape::Difference(operands.map(|it| Self::of_group(store, it)).collect())
+                Shape::Difference(operands.map(|it| Self::of_group(number, it).into()).collect())
             }
         };
         Self { outer_from_inner, material, route, shape }
     }
 
-    /// Calls `visit` with the states in some pieces, those inside Booleans too, in the order written.
-    pub(super) fn instances(pieces: &[Self], visit: &mut impl FnMut(u32, Origin)) {
-        for piece in pieces {
-            match &piece.shape {
-                Shape::Leaf(..) => {}
-                Shape::Instance(state, origin) => visit(*state, *origin),
-                Shape::Intersect(operands) | Shape::Difference(operands) => {
-                    operands.iter().for_each(|it| Self::instances(it, visit));
-                }
+    /// About how many bytes some pieces take.
+    pub(super) fn bytes(pieces: &[Self]) -> usize {
+        let of = |piece: &Self| match &piece.shape {
+            Shape::Leaf(..) => size_of::<Primitive>(),
+            Shape::Instance(..) => 0,
+            Shape::Intersect(operands) | Shape::Difference(operands) => {
+                operands.iter().map(|it| Self::bytes(it) + size_of_val(it)).sum()
             }
-        }
+        };
+        size_of_val(pieces) + pieces.iter().map(of).sum::<usize>()
     }
 }

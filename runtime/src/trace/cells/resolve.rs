@@ -6,8 +6,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
 use super::ask::Found;
-use super::build::build;
-use super::cell::{Cell, Named};
+use super::ROOT;
+use super::cell::Named;
 use super::ray::Local;
 use super::store::{Generation, Store};
 use crate::fault::Fault;
@@ -41,24 +41,22 @@ pub(super) struct Hit<'r> {
 pub(super) fn fragment(
     store: &Store,
     generation: &Generation,
-    root: u32,
     hit: Hit,
     sample: &mut Sample,
 ) -> Result<(), Fault> {
     let Hit { ray, local, depth, found } = hit;
     let mut way = Way { local, material: None, route: Route::START, frozen: false, matrices: SmallVec::new() };
-    let mut state = root;
-    let mut built: Option<Box<Cell>>;
+    let mut state = ROOT;
+    // What no longer fits in the generation is kept apart from here on.
+    let mut apart: Option<Generation> = None;
     for number in &found.path {
-        let cell = match store.cell(generation, state)? {
-            Some(cell) => cell,
-            None => {
-                built = Some(Box::new(build(store, state)?));
-                match &built {
-                    Some(cell) => cell,
-                    None => return Ok(()),
-                }
-            }
+        let here = apart.as_ref().unwrap_or(generation);
+        if store.cell(here, state)?.is_none() {
+            apart = Some(here.apart(state));
+            state = ROOT;
+        }
+        let Some(cell) = store.cell(apart.as_ref().unwrap_or(generation), state)? else {
+            return Ok(());
         };
         let Some(part) = cell.parts.get(*number as usize) else {
             return Ok(());

@@ -1,102 +1,212 @@
 //! Where states and cells are kept, for all threads.
 //!
-//! **States** get numbers and keep what they expand to. **Cells** live in generations: within one they are only
-//! added, so a cell that is there is found by one atomic load and lives as long as the generation. When a generation
-//! has grown to half the budget, an empty one takes its place; a thread goes over to it between two rays, and the old
-//! one ends with its last holder. A cell that no longer fits while a ray is under way is built for that ray alone.
+//! They live in **generations**: within one they are only added, so a cell that is there is found by one atomic load and
+//! lives as long as the generation. When a generation has had its share of the budget, an empty one takes its place; a
+//! thread goes over to it between two rays, and the old one ends with its last holder. What no longer fits while a ray is
+//! under way is kept apart, for that ray alone ([`Generation::apart`]).
 //!
-//! Expansion is a pure function of the state, cells are built outside all locks, and the first one published wins: no
-//! picture depends on what is kept, or on who built it.
+//! What is kept follows from the states, cells are built outside all locks, and the first one published wins: no picture
+//! depends on what is kept, or on who built it.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use super::bounds::Loose;
 use super::build;
 use super::cell::Cell;
-use super::piece::Piece;
+use super::workshop::{Bench, Workshop};
+use crate::abstraction::Survey;
 use crate::fault::{Fault, TrailStep};
 use crate::form::{Origin, Scene};
+use crate::geometry::Aabb;
 use crate::limits::Limits;
+use crate::quick_hash::BuildQuickHash;
 use crate::trace::{Expander, State};
+
+/// Bytes that a workshop may keep whatever the budget.
+const LEAST_BENCH: usize = 256 << 10;
+/// Bytes from which on a workshop gains nothing.
+const MOST_BENCH: usize = 16 << 20;
 
 /// All that threads share.
 #[derive(Debug)]
 pub(super) struct Store<'s> {
-    expander: Expander<'s>,
+    pub(super) expander: Expander<'s>,
+    pub(super) survey: Survey<'s>,
     pub(super) limits: Limits,
-    names: Mutex<Names>,
-    states: Chunks<Known>,
+    /// Workshops that nobody is in.
+    pub(super) benches: Mutex<Vec<Box<Bench<'s>>>>,
+    /// Bytes that each may keep.
+    pub(super) bench_bytes: usize,
     generation: Mutex<Arc<Generation>>,
-    /// The most cells, and bytes for cells, that one generation had.
+    root: Arc<State>,
+    kept: Arc<Kept>,
+    pub(super) expanded: AtomicU64,
     most_cells: AtomicU64,
-    most_bytes: AtomicU64,
+}
+
+/// Bytes kept by all generations that are alive.
+#[derive(Debug, Default)]
+struct Kept {
+    now: AtomicU64,
+    most: AtomicU64,
+}
+
+/// States and cells that live and die together.
+#[derive(Debug)]
+pub(super) struct Generation {
+    names: Mutex<Names>,
+    cells: Chunks<OnceLock<Box<Cell>>>,
+    count: AtomicU64,
+    bytes: AtomicU64,
+    /// From here on, rays begin in another generation.
+    enough: u64,
+    /// Beyond this nothing is kept but one cell.
+    most: u64,
+    kept: Arc<Kept>,
 }
 
 /// The numbers of states.
 #[derive(Debug, Default)]
 struct Names {
-    numbers: HashMap<Arc<State>, u32>,
+    numbers: HashMap<Arc<State>, u32, BuildQuickHash>,
     states: Vec<Arc<State>>,
-}
-
-/// What is known of a state. All of it follows from the state alone.
-#[derive(Debug, Default)]
-pub(super) struct Known {
-    pieces: OnceLock<Box<[Piece]>>,
-    pub(super) loose: OnceLock<Loose>,
-    pub(super) small: OnceLock<bool>,
-}
-
-/// Cells that live and die together.
-#[derive(Debug)]
-pub(super) struct Generation {
-    cells: Chunks<OnceLock<Box<Cell>>>,
-    count: AtomicU64,
-    bytes: AtomicU64,
-    most_bytes: u64,
 }
 
 /// What is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    /// Different states met so far.
+    /// States expanded so far; those that were dropped and expanded again count again.
     pub states: u64,
     /// The most cells kept at a time.
     pub cells: u64,
-    /// The most bytes that those took.
+    /// The most bytes that cells and the states in them took.
     pub cell_bytes: u64,
 }
 
 impl<'s> Store<'s> {
-    pub(super) fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self {
-            expander: Expander::new(scene, limits),
+    /// # Errors
+    /// What fails in finding the scene's own values.
+    pub(super) fn new(scene: &'s Scene, limits: &Limits) -> Result<Self, Fault> {
+        let expander = Expander::new(scene, limits);
+        let root = Arc::new(expander.root()?);
+        let kept = Arc::new(Kept::default());
+        let threads = rayon::current_num_threads().max(1);
+        let budget = usize::try_from(limits.kept_bytes).unwrap_or(usize::MAX);
+        Ok(Self {
+            expander,
+            survey: Survey::new(scene, limits),
             limits: *limits,
-            names: Mutex::default(),
-            states: Chunks::new(),
-            generation: Mutex::new(Arc::new(Generation::new(limits))),
+            benches: Mutex::default(),
+            bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
+            generation: Mutex::new(Arc::new(Generation::new(limits, &kept, &root))),
+            root,
+            kept,
+            expanded: AtomicU64::new(0),
             most_cells: AtomicU64::new(0),
-            most_bytes: AtomicU64::new(0),
-        }
+        })
     }
 
-    /// The number of the whole scene's state.
-    pub(super) fn root(&self) -> Result<u32, Fault> {
-        Ok(self.number(self.expander.root()?))
+    /// A place to make cells.
+    pub(super) fn workshop(&self) -> Workshop<'_, 's> {
+        Workshop::new(self)
+    }
+
+    /// The state of the whole scene.
+    pub(super) fn root(&self) -> &Arc<State> {
+        &self.root
+    }
+
+    /// A box around all that is finite in the scene.
+    ///
+    /// # Errors
+    /// What fails in expanding the scene as far as its bounds need.
+    pub(super) fn finite_bounds(&self) -> Result<Aabb, Fault> {
+        let mut workshop = self.workshop();
+        let root = workshop.number_of(&self.root);
+        workshop.finite_bounds(root)
+    }
+
+    /// The generation that is filled now. The scene's state has number 0 in each.
+    pub(super) fn generation(&self) -> Arc<Generation> {
+        let mut current = lock(&self.generation);
+        if current.is_full() {
+            *current = Arc::new(Generation::new(&self.limits, &self.kept, &self.root));
+        }
+        Arc::clone(&current)
+    }
+
+    /// The cell of a state; `None` if it is not there and there is no room for it.
+    ///
+    /// # Errors
+    /// What fails in building it.
+    pub(super) fn cell<'g>(&self, generation: &'g Generation, number: u32) -> Result<Option<&'g Cell>, Fault> {
+        if let Some(cell) = generation.kept(number) {
+            return Ok(Some(cell));
+        }
+        if !generation.has_room() {
+            return Ok(None);
+        }
+        let cell = build::build(self, generation, number)?;
+        let kept = generation.keep(number, cell);
+        self.most_cells.fetch_max(generation.count.load(Ordering::Relaxed), Ordering::Relaxed);
+        Ok(kept)
+    }
+
+    /// A state as a step of a trail.
+    pub(super) fn step(&self, generation: &Generation, number: u32, called: Origin) -> TrailStep {
+        self.expander.trail_step(&generation.state(number), called)
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        Counts {
+            states: self.expanded.load(Ordering::Relaxed),
+            cells: self.most_cells.load(Ordering::Relaxed),
+            cell_bytes: self.kept.most.load(Ordering::Relaxed),
+        }
+    }
+}
+
+impl Generation {
+    fn new(limits: &Limits, kept: &Arc<Kept>, root: &Arc<State>) -> Self {
+        let most = (limits.kept_bytes / 2).max(1);
+        Self::with_room_for(most - most / 4, most, kept, root)
+    }
+
+    fn with_room_for(enough: u64, most: u64, kept: &Arc<Kept>, root: &Arc<State>) -> Self {
+        let generation = Self {
+            names: Mutex::default(),
+            cells: Chunks::new(),
+            count: AtomicU64::new(0),
+            bytes: AtomicU64::new(0),
+            enough: enough.max(1),
+            most,
+            kept: Arc::clone(kept),
+        };
+        generation.number(root);
+        generation
+    }
+
+    /// A small generation for what no longer fits in this one, in which a state has number 0. It is meant to end with the
+    /// search through that state, so what a ray holds at a time is bounded however much it meets.
+    pub(super) fn apart(&self, number: u32) -> Self {
+        // Each is half as large as the one that it came out of, so all of them together are not much larger than one.
+        let most = self.most / 2;
+        Self::with_room_for(most, most, &self.kept, &self.state(number))
     }
 
     /// The number of a state: equal states have the same one.
-    pub(super) fn number(&self, state: State) -> u32 {
+    pub(super) fn number(&self, state: &Arc<State>) -> u32 {
         let mut names = lock(&self.names);
-        if let Some(number) = names.numbers.get(&state) {
+        if let Some(number) = names.numbers.get(state) {
             return *number;
         }
         let number = names.states.len() as u32;
-        let state = Arc::new(state);
-        names.states.push(Arc::clone(&state));
-        names.numbers.insert(state, number);
+        names.states.push(Arc::clone(state));
+        names.numbers.insert(Arc::clone(state), number);
+        drop(names);
+        // With its places in both tables and in that of the cells, which have room to grow.
+        self.count_bytes(state.bytes() + 12 * size_of::<usize>());
         number
     }
 
@@ -105,91 +215,55 @@ impl<'s> Store<'s> {
         Arc::clone(&lock(&self.names).states[number as usize])
     }
 
-    /// What is known of a state.
-    pub(super) fn known(&self, number: u32) -> &Known {
-        self.states.at(number)
-    }
-
-    /// What a state expands to.
-    ///
-    /// # Errors
-    /// What fails in expanding it; the trail names only what lies below the state.
-    pub(super) fn pieces(&self, number: u32) -> Result<&[Piece], Fault> {
-        let known = self.known(number);
-        if let Some(pieces) = known.pieces.get() {
-            return Ok(pieces);
-        }
-        let group = self.expander.expand(&self.state(number))?;
-        Ok(known.pieces.get_or_init(|| Piece::of_group(self, group)))
-    }
-
-    /// A state as a step of a trail.
-    pub(super) fn step(&self, number: u32, called: Origin) -> TrailStep {
-        self.expander.trail_step(&self.state(number), called)
-    }
-
-    /// The generation that is filled now.
-    pub(super) fn generation(&self) -> Arc<Generation> {
-        let mut current = lock(&self.generation);
-        if current.is_full() {
-            *current = Arc::new(Generation::new(&self.limits));
-        }
-        Arc::clone(&current)
-    }
-
-    /// The cell of a state; `None` if it is not there and the generation is full.
-    ///
-    /// # Errors
-    /// What fails in building it.
-    pub(super) fn cell<'g>(&self, generation: &'g Generation, number: u32) -> Result<Option<&'g Cell>, Fault> {
-        if let Some(cell) = generation.kept(number) {
-            return Ok(Some(cell));
-        }
-        if generation.is_full() {
-            return Ok(None);
-        }
-        let cell = build::build(self, number)?;
-        let place = generation.cells.at(number);
-        let bytes = cell.bytes() as u64;
-        if place.set(Box::new(cell)).is_ok() {
-            let cells = generation.count.fetch_add(1, Ordering::Relaxed) + 1;
-            let bytes = generation.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
-            self.most_cells.fetch_max(cells, Ordering::Relaxed);
-            self.most_bytes.fetch_max(bytes, Ordering::Relaxed);
-        }
-        Ok(place.get().map(AsRef::as_ref))
-    }
-
-    pub(super) fn counts(&self) -> Counts {
-        Counts {
-            states: lock(&self.names).states.len() as u64,
-            cells: self.most_cells.load(Ordering::Relaxed),
-            cell_bytes: self.most_bytes.load(Ordering::Relaxed),
-        }
-    }
-}
-
-impl Generation {
-    fn new(limits: &Limits) -> Self {
-        Self {
-            cells: Chunks::new(),
-            count: AtomicU64::new(0),
-            bytes: AtomicU64::new(0),
-            // At least one cell fits, so that every ray gets on.
-            most_bytes: (limits.cell_bytes / 2).max(1),
-        }
-    }
-
     /// The cell of a state, if it is there.
     #[inline(always)]
     pub(super) fn kept(&self, number: u32) -> Option<&Cell> {
         self.cells.at(number).get().map(AsRef::as_ref)
     }
 
-    /// Whether it has had its share of the budget.
+    /// Whether it has had its share of the budget, so that no more rays should begin in it.
     #[inline]
     pub(super) fn is_full(&self) -> bool {
-        self.bytes.load(Ordering::Relaxed) >= self.most_bytes
+        self.count.load(Ordering::Relaxed) > 0 && self.bytes.load(Ordering::Relaxed) >= self.enough
+    }
+
+    /// Whether something may still be kept. One cell always is, so that every ray gets on.
+    fn has_room(&self) -> bool {
+        self.count.load(Ordering::Relaxed) == 0 || self.bytes.load(Ordering::Relaxed) < self.most
+    }
+
+    /// Keeps a cell, if there is room for it and no other thread was quicker.
+    fn keep(&self, number: u32, cell: Cell) -> Option<&Cell> {
+        let bytes = cell.bytes() + size_of::<Cell>();
+        let before = self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+        let is_first = self.count.fetch_add(1, Ordering::Relaxed) == 0;
+        let fits = is_first || before + bytes as u64 <= self.most;
+        let place = self.cells.at(number);
+        if fits && place.set(Box::new(cell)).is_ok() {
+            self.kept.add(bytes as u64);
+        } else {
+            self.bytes.fetch_sub(bytes as u64, Ordering::Relaxed);
+            self.count.fetch_sub(1, Ordering::Relaxed);
+        }
+        place.get().map(AsRef::as_ref)
+    }
+
+    fn count_bytes(&self, bytes: usize) {
+        self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+        self.kept.add(bytes as u64);
+    }
+}
+
+impl Drop for Generation {
+    fn drop(&mut self) {
+        self.kept.now.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
+}
+
+impl Kept {
+    fn add(&self, bytes: u64) {
+        let now = self.now.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        self.most.fetch_max(now, Ordering::Relaxed);
     }
 }
 
@@ -215,7 +289,7 @@ impl<T: Default> Chunks<T> {
 }
 
 /// The data of a lock, even if a thread that held it has failed: it is only ever changed in one step.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

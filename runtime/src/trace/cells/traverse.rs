@@ -5,11 +5,11 @@
 
 use super::ask::{Ask, Event, Mark, NONE, Question};
 use super::boolean::{Pieces, Place, lanes};
-use super::build::build;
 use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref};
 use super::deep::deeper;
 use super::kernel::{BoxRay, Kernel, Met, Node, WIDTH};
 use super::ray::Local;
+use super::ROOT;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
@@ -149,7 +149,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Adds the cells on the way to a fault.
     #[cold]
     fn led(&self, fault: Fault) -> Fault {
-        led_by(fault, self.scratch.frames.iter().map(|it| self.tracing.store.step(it.state, it.called)))
+        let step = |it: &Frame| self.tracing.store.step(self.generation, it.state, it.called);
+        led_by(fault, self.scratch.frames.iter().map(step))
     }
 
     /// Goes into a cell.
@@ -321,7 +322,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
         let store = self.tracing.store;
         let made = store.cell(self.generation, state);
-        made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(state, called)))))
+        made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(self.generation, state, called)))))
     }
 
     /// Goes through a cell that there is no room to keep.
@@ -329,17 +330,21 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     #[inline(never)]
     fn apart(&self, ask: &mut Ask, part: u32, passage: &Passage) -> Result<(), Stop> {
         let Passage { state, called, ray, from, levels } = *passage;
-        let store = self.tracing.store;
-        let cell = build(store, state).map_err(|fault| led_by(fault, std::iter::once(store.step(state, called))))?;
+        let (store, apart) = (self.tracing.store, self.generation.apart(state));
+        let made = store.cell(&apart, ROOT);
+        let led = |fault| led_by(fault, std::iter::once(store.step(self.generation, state, called)));
+        let Some(cell) = made.map_err(led)? else {
+            return Ok(());
+        };
         let before = ask.prefix.len();
         ask.prefix.extend(self.way().chain([part]));
-        let start = Start { cell: &cell, state, called, ray, from, levels };
-        let (tracing, generation) = (self.tracing, self.generation);
+        let start = Start { cell, state: ROOT, called, ray, from, levels };
+        let tracing = self.tracing;
         let found = deeper(ask, |ask| {
             let mut scratch = Scratch::default();
             tracing.kernel.vectorize(
                 #[inline(always)]
-                || tracing.search(generation, &mut scratch, ask, start),
+                || tracing.search(&apart, &mut scratch, ask, start),
             )
         });
         ask.prefix.truncate(before);

@@ -1,0 +1,314 @@
+//! Abstract states that are kept and shared: those of which all that matters is control, and those with coarse data.
+//!
+//! What is known of one follows from it alone. It is found **exactly**, from all states that it leads to one by one, if
+//! those are not too many and not too deep inside one another; otherwise by a run that takes the many together
+//! ([`run`](super::run)). Which of the two is a property of the state: what was kept before makes no difference.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::cycles::{self, Knot, Link};
+use super::flow::Flow;
+use super::run::{Meeting, Outcome, Rest, Run};
+use super::sketch::{AbstractState, Extent, Sketch};
+use super::trouble::{Blame, Blamed};
+use super::walk::{Formals, Walker};
+use crate::fault::Fault;
+use crate::form::{Origin, Scene};
+use crate::limits::Limits;
+use crate::quick_hash::BuildQuickHash;
+
+/// States that one state may lead to and still be looked at one by one.
+const MOST_EXACT: usize = 1 << 15;
+/// States that are kept before all of them are forgotten.
+const MOST_KEPT: usize = 1 << 16;
+
+/// A kept state.
+#[derive(Debug)]
+struct Node {
+    state: Arc<AbstractState>,
+    /// Found when it is first needed, and forgotten once its extent is known.
+    sketch: Option<Sketch>,
+    /// Where it leads to, once that has been looked at, and the places of the calls.
+    next: Option<Box<[(u32, Origin)]>>,
+    extent: Option<Extent>,
+    exact: Option<bool>,
+}
+
+/// The kept states of a scene.
+#[derive(Debug)]
+pub(crate) struct Canon<'s> {
+    scene: &'s Scene,
+    depth: u32,
+    walker: Walker<'s>,
+    numbers: HashMap<Arc<AbstractState>, u32, BuildQuickHash>,
+    nodes: Vec<Node>,
+    /// By node, the search that saw it last, and its number in that.
+    seen: Vec<(u32, u32)>,
+    searches: u32,
+}
+
+/// All states that one leads to, in the order in which they were met, each with the place in the list of the one it was
+/// met from, and the place of the call.
+type Found = Vec<(u32, u32, Origin)>;
+
+impl<'s> Canon<'s> {
+    pub(crate) fn new(scene: &'s Scene, limits: &Limits) -> Self {
+        Self {
+            scene,
+            depth: limits.depth,
+            walker: Walker::new(scene, Formals::AsGiven),
+            numbers: HashMap::default(),
+            nodes: Vec::new(),
+            seen: Vec::new(),
+            searches: 0,
+        }
+    }
+
+    /// The same state with its data coarse, as it is kept here.
+    pub(crate) fn coarse(flow: &Flow, mut state: AbstractState) -> AbstractState {
+        for ((_, is_control), value) in flow.at(state.entry).slots.iter().zip(&mut state.slots) {
+            if !is_control {
+                *value = value.coarse();
+            }
+        }
+        state
+    }
+
+    /// What a state amounts to.
+    ///
+    /// # Errors
+    /// A cycle without bounds below it, or states too deep inside one another.
+    pub(crate) fn extent(&mut self, flow: &Flow, state: AbstractState) -> Result<Extent, Fault> {
+        if self.nodes.len() > MOST_KEPT {
+            self.numbers.clear();
+            self.nodes.clear();
+            self.seen.clear();
+        }
+        let number = self.number(state);
+        let kept = self.nodes[number as usize].extent;
+        let extent = match kept {
+            Some(extent) => extent,
+            None if self.is_exact(flow, number)? => self.known(number),
+            None => {
+                let extent = self.run(flow, number)?;
+                self.nodes[number as usize].extent = Some(extent);
+                extent
+            }
+        };
+        if extent.height > self.depth.saturating_add(1) {
+            return Err(self.too_deep(flow, number));
+        }
+        Ok(extent)
+    }
+
+    fn blame<'a>(&'a self, flow: &'a Flow) -> Blamed<'a> {
+        Blamed { graph: &self.scene.graph, flow, depth: self.depth }
+    }
+
+    fn known(&self, number: u32) -> Extent {
+        self.nodes[number as usize].extent.unwrap_or(Extent::EMPTY)
+    }
+
+    /// The fault of states too deep inside one another, with the way to the innermost.
+    fn too_deep(&self, flow: &Flow, number: u32) -> Fault {
+        let (mut way, mut at, mut called) = (Vec::new(), number, Origin::NONE);
+        loop {
+            let node = &self.nodes[at as usize];
+            way.push((AbstractState::clone(&node.state), called));
+            let next = node.next.as_deref().unwrap_or_default();
+            let Some(inner) = next.iter().rev().max_by_key(|it| self.known(it.0).height) else { break };
+            if way.len() > self.depth as usize + 1 || self.known(inner.0).height == 0 {
+                break;
+            }
+            (at, called) = *inner;
+        }
+        self.blame(flow).fault(Blame::Depth, &way, &[])
+    }
+
+    /// All states that one leads to, itself first, by what is kept of them. It is an error if they are too many, or one
+    /// of them is known to have too many.
+    pub(crate) fn states_below(&mut self, flow: &Flow, state: AbstractState) -> Option<Vec<(Arc<AbstractState>, Extent)>> {
+        let number = self.number(state);
+        let found = self.search(flow, number)?;
+        let of = |it: &(u32, u32, Origin)| {
+            let node = &self.nodes[it.0 as usize];
+            Some((Arc::clone(&node.state), node.extent?))
+        };
+        found.iter().map(of).collect()
+    }
+
+    fn number(&mut self, state: AbstractState) -> u32 {
+        if let Some(number) = self.numbers.get(&state) {
+            return *number;
+        }
+        let number = self.nodes.len() as u32;
+        let state = Arc::new(state);
+        self.numbers.insert(Arc::clone(&state), number);
+        self.nodes.push(Node { state, sketch: None, next: None, extent: None, exact: None });
+        self.seen.push((0, 0));
+        number
+    }
+
+    /// Looks where a state leads to.
+    fn look(&mut self, flow: &Flow, number: u32) {
+        if self.nodes[number as usize].next.is_some() {
+            return;
+        }
+        let state = Arc::clone(&self.nodes[number as usize].state);
+        let drawn = self.walker.draw(flow, &state);
+        let successors = drawn.successors.into_iter();
+        let next = successors.map(|it| (self.number(Self::coarse(flow, it.state)), it.called)).collect();
+        let node = &mut self.nodes[number as usize];
+        node.next = Some(next);
+        node.sketch = Some(drawn.sketch);
+    }
+
+    /// All states that one leads to; none if they are too many, too deep inside one another, or one of them has too many.
+    fn search(&mut self, flow: &Flow, start: u32) -> Option<Found> {
+        self.searches += 1;
+        let search = self.searches;
+        self.seen[start as usize] = (search, 0);
+        let mut found: Found = vec![(start, 0, Origin::NONE)];
+        let (mut at, mut level, mut level_end) = (0, 0, 1);
+        while at < found.len() {
+            if at == level_end {
+                (level, level_end) = (level + 1, found.len());
+            }
+            let number = found[at].0;
+            if self.nodes[number as usize].exact == Some(false) || level > self.depth.saturating_add(1) {
+                return None;
+            }
+            self.look(flow, number);
+            let next = self.nodes[number as usize].next.as_deref().unwrap_or_default();
+            for (inner, called) in next {
+                let seen = &mut self.seen[*inner as usize];
+                if seen.0 != search {
+                    *seen = (search, found.len() as u32);
+                    found.push((*inner, at as u32, *called));
+                }
+            }
+            if found.len() > MOST_EXACT {
+                return None;
+            }
+            at += 1;
+        }
+        Some(found)
+    }
+
+    /// Whether what a state amounts to is found from the states it leads to one by one. If so, it is found.
+    fn is_exact(&mut self, flow: &Flow, start: u32) -> Result<bool, Fault> {
+        if let Some(exact) = self.nodes[start as usize].exact {
+            return Ok(exact);
+        }
+        let exact = match self.search(flow, start) {
+            None => false,
+            Some(found) => {
+                self.solve(flow, &found)?;
+                true
+            }
+        };
+        self.nodes[start as usize].exact = Some(exact);
+        Ok(exact)
+    }
+
+    /// Finds what all states of a search amount to.
+    fn solve(&mut self, flow: &Flow, found: &Found) -> Result<(), Fault> {
+        let next = |node: u32, edge: usize| {
+            let node = &self.nodes[found[node as usize].0 as usize];
+            let inner = node.next.as_deref().and_then(|it| it.get(edge));
+            inner.map(|it| self.seen[it.0 as usize].1)
+        };
+        let components = cycles::components(found.len(), 0, next);
+        for component in &components {
+            if self.nodes[found[component[0] as usize].0 as usize].extent.is_none() {
+                self.solve_one(flow, found, component)?;
+            }
+        }
+        for (number, ..) in found {
+            let node = &mut self.nodes[*number as usize];
+            node.exact = Some(true);
+            node.sketch = None;
+        }
+        Ok(())
+    }
+
+    fn solve_one(&mut self, flow: &Flow, found: &Found, component: &[u32]) -> Result<(), Fault> {
+        let numbers: Vec<u32> = component.iter().map(|it| found[*it as usize].0).collect();
+        let places: HashMap<u32, u32, BuildQuickHash> =
+            numbers.iter().enumerate().map(|(place, number)| (*number, place as u32)).collect();
+        // What was forgotten is needed again.
+        for number in &numbers {
+            if self.nodes[*number as usize].sketch.is_none() {
+                let state = Arc::clone(&self.nodes[*number as usize].state);
+                self.nodes[*number as usize].sketch = Some(self.walker.draw(flow, &state).sketch);
+            }
+        }
+        let nodes = &self.nodes;
+        let mut links: Vec<Vec<Link>> = Vec::with_capacity(numbers.len());
+        for number in &numbers {
+            let next = nodes[*number as usize].next.as_deref().unwrap_or_default();
+            let link = |(inner, _): &(u32, Origin)| match places.get(inner) {
+                Some(place) => Link::Inside(*place),
+                None => Link::Outside(nodes[*inner as usize].extent.unwrap_or(Extent::EMPTY)),
+            };
+            links.push(next.iter().map(link).collect());
+        }
+        let knots = numbers.iter().zip(&links).filter_map(|(number, links)| {
+            let sketch = nodes[*number as usize].sketch.as_ref()?;
+            Some(Knot { sketch, links })
+        });
+        match cycles::extents(knots) {
+            Ok(extents) => {
+                for (number, extent) in numbers.iter().zip(extents) {
+                    self.nodes[*number as usize].extent = Some(extent);
+                }
+                Ok(())
+            }
+            Err(trouble) => {
+                let way = self.way(found, *component.iter().min().unwrap_or(&0));
+                let mut places = component.to_vec();
+                places.sort_unstable();
+                let state = |it: &u32| AbstractState::clone(&self.nodes[found[*it as usize].0 as usize].state);
+                let cycle: Vec<AbstractState> = places.iter().map(state).collect();
+                Err(self.blame(flow).fault(Blame::Cycle(trouble), &way, &cycle))
+            }
+        }
+    }
+
+    /// The states on the way to one that a search found.
+    fn way(&self, found: &Found, place: u32) -> Vec<(AbstractState, Origin)> {
+        let mut way = Vec::new();
+        let mut at = place;
+        loop {
+            let (number, from, called) = found[at as usize];
+            way.push((AbstractState::clone(&self.nodes[number as usize].state), called));
+            if at == 0 {
+                break;
+            }
+            at = from;
+        }
+        way.reverse();
+        way
+    }
+
+    /// What a state amounts to whose states are too many to be looked at one by one.
+    fn run(&mut self, flow: &Flow, number: u32) -> Result<Extent, Fault> {
+        let start = AbstractState::clone(&self.nodes[number as usize].state);
+        let mut walker = Walker::new(self.scene, Formals::AsGiven);
+        let run = Run::new(flow, Rest::Wide, start);
+        let outcome = run.finish(&mut walker, |state, _| {
+            let state = Self::coarse(flow, state);
+            let number = self.number(state.clone());
+            let exact = self.is_exact(flow, number)?;
+            Ok(if exact { Meeting::Known(self.known(number)) } else { Meeting::Own(state) })
+        })?;
+        match outcome {
+            Outcome::Extent(extent) => Ok(extent),
+            Outcome::Trouble { trouble, way, cycle, is_wide } => {
+                let blame = if is_wide { Blame::Depth } else { Blame::Cycle(trouble) };
+                Err(self.blame(flow).fault(blame, &way, &cycle))
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The entries of a graph, S-nodes and systems, with the nodes between each and the next ones.
+
+use crate::form::{Graph, Node, NodeId, SelectId, SystemId};
+use crate::trace::Entry;
+
+/// The entries of a graph by number: the S-nodes, then the systems.
+#[derive(Debug)]
+pub(crate) struct Entries {
+    selects: usize,
+    /// Of each entry its nodes, each after those it names.
+    nodes: Vec<Vec<NodeId>>,
+    /// Of each entry, the numbers of those that lead to it.
+    callers: Vec<Vec<usize>>,
+}
+
+impl Entries {
+    /// The entries of a graph.
+    pub(crate) fn of(graph: &Graph) -> Self {
+        let selects = graph.selects().len();
+        let count = selects + graph.systems().len();
+        let mut entries = Self { selects, nodes: Vec::with_capacity(count), callers: vec![Vec::new(); count] };
+        let mut seen = vec![usize::MAX; graph.nodes().len()];
+        for number in 0..count {
+            let mut ahead = roots(graph, entries.entry(number));
+            let mut nodes = Vec::new();
+            while let Some(id) = ahead.pop() {
+                if std::mem::replace(&mut seen[id.0 as usize], number) == number {
+                    continue;
+                }
+                nodes.push(id);
+                let node = graph.node(id);
+                if let Some(inner) = entries.called(node)
+                    && entries.callers[inner].last() != Some(&number)
+                {
+                    entries.callers[inner].push(number);
+                }
+                ahead.extend(below(node));
+            }
+            nodes.sort_unstable();
+            entries.nodes.push(nodes);
+        }
+        entries
+    }
+
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.callers.len()
+    }
+
+    /// The entry of a number.
+    pub(crate) fn entry(&self, number: usize) -> Entry {
+        match number.checked_sub(self.selects) {
+            None => Entry::Select(SelectId(number as u32)),
+            Some(system) => Entry::System(SystemId(system as u32)),
+        }
+    }
+
+    /// The number of an entry.
+    pub(crate) fn number(&self, entry: Entry) -> usize {
+        match entry {
+            Entry::Select(id) => id.0 as usize,
+            Entry::System(id) => self.selects + id.0 as usize,
+        }
+    }
+
+    /// Its nodes, each after those it names.
+    pub(crate) fn nodes(&self, number: usize) -> &[NodeId] {
+        &self.nodes[number]
+    }
+
+    /// The numbers of the entries that lead to it.
+    pub(crate) fn callers(&self, number: usize) -> &[usize] {
+        &self.callers[number]
+    }
+
+    /// The number of the entry that a node goes to, if it goes to one.
+    fn called(&self, node: &Node) -> Option<usize> {
+        match node {
+            Node::Call(call) => Some(self.number(Entry::Select(call.select))),
+            Node::System(call) => Some(self.number(Entry::System(call.system))),
+            _ => None,
+        }
+    }
+}
+
+/// Where the nodes of an entry begin.
+pub(crate) fn roots(graph: &Graph, entry: Entry) -> Vec<NodeId> {
+    match entry {
+        Entry::Select(id) => graph.select(id).rules.iter().map(|it| it.body).collect(),
+        Entry::System(id) => vec![graph.system(id).start],
+    }
+}
+
+/// The nodes that a node names.
+fn below(node: &Node) -> Vec<NodeId> {
+    match node {
+        Node::Empty | Node::Primitive { .. } | Node::Call(_) | Node::System(_) => Vec::new(),
+        Node::Transform { body, .. }
+        | Node::Calc { body, .. }
+        | Node::Paint { body, .. }
+        | Node::Variant { body, .. }
+        | Node::Repeat { body, .. } => vec![*body],
+        Node::Choice { then, otherwise, .. } => vec![*then, *otherwise],
+        Node::Union(operands) | Node::Intersect(operands) => operands.to_vec(),
+        Node::Difference(first, others) => std::iter::once(*first).chain(others.iter().copied()).collect(),
+    }
+}

@@ -1,0 +1,35 @@
+//! Abstract states: what a graph can come to whatever the draws.
+//!
+//! A concrete state has all its values and a path; a plant that draws at every branch has a state for each of them. An
+//! **abstract state** has ranges where values depend on draws, and no path. Equal ones are one, so of a plant whose apex
+//! counts down from 20 there are 21. What holds for an abstract state holds for every concrete one that it stands for.
+//!
+//! - [`range`], [`value`], [`operation`], [`machine`]: expressions on abstract values.
+//! - [`flow`]: which slots matter, and which of them decide what is chosen.
+//! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones.
+//! - [`loose`], [`profile`]: bounds that need only be valid.
+//! - [`cycles`], [`run`], [`canon`]: what all states below one amount to.
+
+mod canon;
+mod cycles;
+mod entries;
+mod flow;
+mod loose;
+mod machine;
+mod operation;
+mod profile;
+mod range;
+mod run;
+mod sketch;
+mod step;
+mod survey;
+mod trouble;
+mod value;
+mod walk;
+
+pub(crate) use loose::{Loose, box_between, primitive_bounds};
+pub(crate) use sketch::Extent;
+pub(crate) use survey::{Scout, Survey};
+
+#[cfg(test)]
+mod tests;

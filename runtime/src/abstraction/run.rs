@@ -1,0 +1,319 @@
+//! Runs of a graph on abstract states that are joined where there are many.
+//!
+//! A run begins at one state and keeps a small number of others: of those that agree in their control slots a few, then
+//! one that stands for all of them. It depends on nothing but the state it begins at.
+
+use std::collections::VecDeque;
+
+use super::cycles::{self, Knot, Link, Trouble};
+use super::flow::{Flow, Lay};
+use super::sketch::{AbstractState, Extent};
+use super::walk::{Drawn, Walker};
+use crate::fault::Fault;
+use crate::form::Origin;
+use crate::trace::Entry;
+
+/// States of an entry that agree in their control slots and yet are kept apart.
+const VARIANTS: usize = 4;
+/// States of an entry that differ in their control slots, before the rest is taken care of together.
+const MOST_KEYS: usize = 64;
+/// How often a joined state may change before it is widened.
+const PATIENCE: u32 = 3;
+/// States that a run looks at, again and again; then nothing is known.
+const MOST_DRAWN: u32 = 4096;
+
+/// What a run does with a state that a state leads to.
+pub(super) enum Meeting {
+    /// It is known what that amounts to.
+    Known(Extent),
+    /// It is one of the run's own.
+    Own(AbstractState),
+}
+
+/// What a run does with states whose control slots differ from those of too many before.
+pub(super) enum Rest {
+    /// Whoever gives the run its states takes them.
+    Elsewhere,
+    /// They are one, as wide as need be.
+    Wide,
+}
+
+/// What a run came to.
+pub(super) enum Outcome {
+    Extent(Extent),
+    /// Its cycles have no bounds: the way to one of them, the states of it, and whether it is one only because states
+    /// were taken together that differ in their control slots.
+    Trouble { trouble: Trouble, way: Vec<(AbstractState, Origin)>, cycle: Vec<AbstractState>, is_wide: bool },
+}
+
+/// Where a state of a run leads to.
+#[derive(Clone, Copy)]
+enum Target {
+    Node(u32),
+    Known(Extent),
+}
+
+struct Node {
+    state: AbstractState,
+    drawn: Option<Drawn>,
+    targets: Vec<Target>,
+    waits: bool,
+    kind: Kind,
+    changes: u32,
+    /// The state that it was first met from, and the place of the call.
+    from: Option<u32>,
+    called: Origin,
+}
+
+/// What a node of a run stands for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// The state that the run begins at.
+    Start,
+    /// One state.
+    One,
+    /// All states with its control slots.
+    Joined,
+    /// All states that there were too many of.
+    Wide,
+    /// Nothing any more: this one stands for it.
+    Replaced(u32),
+}
+
+/// The nodes of one entry.
+struct Place {
+    entry: Entry,
+    nodes: Vec<u32>,
+    keys: usize,
+    wide: Option<u32>,
+}
+
+/// A run.
+pub(super) struct Run<'f> {
+    flow: &'f Flow,
+    rest: Rest,
+    nodes: Vec<Node>,
+    places: Vec<Place>,
+    ahead: VecDeque<u32>,
+}
+
+impl<'f> Run<'f> {
+    pub(super) fn new(flow: &'f Flow, rest: Rest, start: AbstractState) -> Self {
+        let mut run = Self { flow, rest, nodes: Vec::new(), places: Vec::new(), ahead: VecDeque::new() };
+        run.node(start, Kind::Start, None, Origin::NONE);
+        run
+    }
+
+    /// Runs on from the state it begins at; `meet` says what to do with each state that is met, and whether its entry
+    /// has had as many of its own as there may be.
+    ///
+    /// # Errors
+    /// Those of `meet`.
+    pub(super) fn finish(
+        mut self,
+        walker: &mut Walker<'_>,
+        mut meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
+    ) -> Result<Outcome, Fault> {
+        let mut drawn = 0;
+        while let Some(number) = self.ahead.pop_front() {
+            let node = &mut self.nodes[number as usize];
+            node.waits = false;
+            if matches!(node.kind, Kind::Replaced(_)) {
+                continue;
+            }
+            drawn += 1;
+            if drawn > MOST_DRAWN {
+                return Ok(Outcome::Extent(Extent::ALL));
+            }
+            let state = node.state.clone();
+            let mut drawn = walker.draw(self.flow, &state);
+            let mut targets = Vec::with_capacity(drawn.successors.len());
+            for successor in drawn.successors.drain(..) {
+                let is_full = matches!(self.rest, Rest::Elsewhere) && self.is_full(&successor.state);
+                targets.push(match meet(successor.state, is_full)? {
+                    Meeting::Known(extent) => Target::Known(extent),
+                    Meeting::Own(state) => Target::Node(self.reach(state, number, successor.called)),
+                });
+            }
+            let node = &mut self.nodes[number as usize];
+            node.drawn = Some(drawn);
+            node.targets = targets;
+        }
+        Ok(self.solve())
+    }
+
+    fn lay(&self, entry: Entry) -> &'f Lay {
+        self.flow.at(entry)
+    }
+
+    fn place(&self, entry: Entry) -> Option<usize> {
+        self.places.iter().position(|it| it.entry == entry)
+    }
+
+    fn node(&mut self, state: AbstractState, kind: Kind, from: Option<u32>, called: Origin) -> u32 {
+        let number = self.nodes.len() as u32;
+        let place = self.place(state.entry).unwrap_or_else(|| {
+            self.places.push(Place { entry: state.entry, nodes: Vec::new(), keys: 0, wide: None });
+            self.places.len() - 1
+        });
+        self.places[place].nodes.push(number);
+        let (drawn, targets) = (None, Vec::new());
+        self.nodes.push(Node { state, drawn, targets, waits: true, kind, changes: 0, from, called });
+        self.ahead.push_back(number);
+        number
+    }
+
+    /// The nodes that agree with a state in its control slots.
+    fn alike(&self, state: &AbstractState) -> Vec<u32> {
+        let Some(place) = self.place(state.entry) else { return Vec::new() };
+        let lay = self.lay(state.entry);
+        let same = |it: &&u32| {
+            let node = &self.nodes[**it as usize];
+            let own = matches!(node.kind, Kind::One | Kind::Joined);
+            let slots = lay.slots.iter().zip(node.state.slots.iter().zip(&state.slots));
+            own && slots.filter(|it| it.0.1).all(|(_, (a, b))| a == b)
+        };
+        self.places[place].nodes.iter().filter(same).copied().collect()
+    }
+
+    /// Whether a state would be one too many of its entry.
+    fn is_full(&self, state: &AbstractState) -> bool {
+        let keys = self.place(state.entry).map_or(0, |it| self.places[it].keys);
+        keys >= MOST_KEYS && self.alike(state).is_empty()
+    }
+
+    /// The node of a state that is met.
+    fn reach(&mut self, state: AbstractState, from: u32, called: Origin) -> u32 {
+        if self.nodes[0].state == state {
+            return 0;
+        }
+        let alike = self.alike(&state);
+        if let Some(node) = alike.iter().find(|it| self.nodes[**it as usize].state == state) {
+            return *node;
+        }
+        if let Some(joined) = alike.iter().find(|it| self.nodes[**it as usize].kind == Kind::Joined) {
+            self.join(*joined, &state);
+            return *joined;
+        }
+        if alike.is_empty() {
+            return self.first_of_key(state, from, called);
+        }
+        if alike.len() < VARIANTS {
+            return self.node(state, Kind::One, Some(from), called);
+        }
+        let all = alike.iter().fold(state, |all, it| joined(&all, &self.nodes[*it as usize].state));
+        let number = self.node(all, Kind::Joined, Some(from), called);
+        for it in alike {
+            self.nodes[it as usize].kind = Kind::Replaced(number);
+        }
+        number
+    }
+
+    fn first_of_key(&mut self, state: AbstractState, from: u32, called: Origin) -> u32 {
+        let place = self.place(state.entry);
+        if let Some(place) = place.map(|it| &self.places[it])
+            && place.keys >= MOST_KEYS
+        {
+            if let Some(wide) = place.wide {
+                self.join(wide, &state);
+                return wide;
+            }
+            let entry = state.entry;
+            let wide = self.node(state, Kind::Wide, Some(from), called);
+            if let Some(place) = self.places.iter_mut().find(|it| it.entry == entry) {
+                place.wide = Some(wide);
+            }
+            return wide;
+        }
+        let entry = state.entry;
+        let number = self.node(state, Kind::One, Some(from), called);
+        if let Some(place) = self.places.iter_mut().find(|it| it.entry == entry) {
+            place.keys += 1;
+        }
+        number
+    }
+
+    /// Lets a node stand for a state as well.
+    fn join(&mut self, number: u32, state: &AbstractState) {
+        let node = &mut self.nodes[number as usize];
+        let mut all = joined(&node.state, state);
+        if all == node.state {
+            return;
+        }
+        node.changes += 1;
+        if node.kind == Kind::Wide || node.changes > PATIENCE {
+            let slots = node.state.slots.iter().zip(&all.slots);
+            all.slots = slots.map(|(before, after)| before.widened(after)).collect();
+        }
+        node.state = all;
+        if !std::mem::replace(&mut node.waits, true) {
+            self.ahead.push_back(number);
+        }
+    }
+
+    /// The node that stands for a node by now.
+    fn now(&self, number: u32) -> u32 {
+        let mut number = number;
+        while let Kind::Replaced(by) = self.nodes[number as usize].kind {
+            number = by;
+        }
+        number
+    }
+
+    fn solve(self) -> Outcome {
+        let count = self.nodes.len();
+        let inner = |node: &Node| -> Vec<u32> {
+            let targets = node.targets.iter();
+            targets.filter_map(|it| if let Target::Node(it) = it { Some(self.now(*it)) } else { None }).collect()
+        };
+        let next: Vec<Vec<u32>> = self.nodes.iter().map(inner).collect();
+        let components = cycles::components(count, 0, |node, edge| next[node as usize].get(edge).copied());
+        let mut extents = vec![Extent::EMPTY; count];
+        for component in components {
+            let inside = |it: u32| component.iter().position(|other| *other == it);
+            let links: Vec<Vec<Link>> = component
+                .iter()
+                .map(|it| {
+                    let link = |target: &Target| match target {
+                        Target::Known(extent) => Link::Outside(*extent),
+                        Target::Node(node) => match inside(self.now(*node)) {
+                            Some(number) => Link::Inside(number as u32),
+                            None => Link::Outside(extents[self.now(*node) as usize]),
+                        },
+                    };
+                    self.nodes[*it as usize].targets.iter().map(link).collect()
+                })
+                .collect();
+            match cycles::extents(component.iter().zip(&links).filter_map(|(it, links)| {
+                let sketch = &self.nodes[*it as usize].drawn.as_ref()?.sketch;
+                Some(Knot { sketch, links })
+            })) {
+                Ok(found) => component.iter().zip(found).for_each(|(it, extent)| extents[*it as usize] = extent),
+                Err(trouble) => return self.trouble(trouble, &component),
+            }
+        }
+        Outcome::Extent(extents[0])
+    }
+
+    fn trouble(&self, trouble: Trouble, cycle: &[u32]) -> Outcome {
+        let first = cycle.iter().copied().min().unwrap_or(0);
+        let mut way = Vec::new();
+        let mut at = Some(first);
+        while let Some(number) = at {
+            let node = &self.nodes[number as usize];
+            way.push((node.state.clone(), node.called));
+            at = node.from.filter(|it| *it != number);
+        }
+        way.reverse();
+        let is_wide = cycle.iter().any(|it| self.nodes[*it as usize].kind == Kind::Wide);
+        let mut numbers = cycle.to_vec();
+        numbers.sort_unstable();
+        let cycle = numbers.iter().map(|it| self.nodes[*it as usize].state.clone()).collect();
+        Outcome::Trouble { trouble, way, cycle, is_wide }
+    }
+}
+
+fn joined(a: &AbstractState, b: &AbstractState) -> AbstractState {
+    let slots = a.slots.iter().zip(&b.slots).map(|(a, b)| a.join(b)).collect();
+    AbstractState { entry: a.entry, slots }
+}

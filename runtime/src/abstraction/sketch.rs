@@ -1,0 +1,148 @@
+//! What an abstract state stands for, as far as bounds need it.
+
+use super::loose::Loose;
+use super::step::Way;
+use super::value::Abstract;
+use crate::form::Origin;
+use crate::trace::Entry;
+
+/// What is known of where a derivation stands: the values of the slots that matter there. It has no path.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct AbstractState {
+    pub(crate) entry: Entry,
+    pub(crate) slots: Box<[Abstract]>,
+}
+
+/// A state that another leads to.
+#[derive(Clone, Debug)]
+pub(crate) struct Successor {
+    pub(crate) state: AbstractState,
+    /// The place of the call.
+    pub(crate) called: Origin,
+    /// Whether it is led to whatever the draws.
+    pub(crate) certain: bool,
+}
+
+/// The union of some parts, all in one frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Sketch {
+    /// Bounds of all primitives in it.
+    pub(crate) fixed: Loose,
+    /// How many those are at most.
+    pub(crate) primitives: u64,
+    /// The rest.
+    pub(crate) parts: Vec<Part>,
+}
+
+/// One part of a [`Sketch`].
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// From the part's own frame to the sketch's.
+    pub(crate) way: Way,
+    /// How many of it there are at most.
+    pub(crate) copies: u64,
+    pub(crate) what: What,
+}
+
+/// What a [`Part`] can be.
+#[derive(Clone, Debug)]
+pub(crate) enum What {
+    /// The successor of this number.
+    State(u32),
+    /// What lies in all of these.
+    Intersect(Vec<Sketch>),
+    /// What lies in the first of these and in none of the others.
+    Difference(Vec<Sketch>),
+}
+
+/// What something amounts to at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// Its bounds.
+    pub(crate) loose: Loose,
+    /// How many primitives it is made of.
+    pub(crate) primitives: u64,
+    /// How many states it goes through, each as often as it comes.
+    pub(crate) states: u64,
+    /// How many states are inside one another in it; those of a cycle count as one.
+    pub(crate) height: u32,
+}
+
+impl Extent {
+    /// Nothing.
+    pub(crate) const EMPTY: Self = Self { loose: Loose::EMPTY, primitives: 0, states: 0, height: 0 };
+    /// Anything.
+    pub(crate) const ALL: Self = Self { loose: Loose::ALL, primitives: u64::MAX, states: u64::MAX, height: 0 };
+}
+
+impl Default for Sketch {
+    fn default() -> Self {
+        Self { fixed: Loose::EMPTY, primitives: 0, parts: Vec::new() }
+    }
+}
+
+impl Sketch {
+    /// Adds primitives with these bounds.
+    pub(crate) fn add(&mut self, loose: Loose, copies: u64) {
+        self.fixed = Loose::union(&[self.fixed, loose]);
+        self.primitives = self.primitives.saturating_add(copies);
+    }
+
+    /// What it amounts to, by what is known of the successors.
+    pub(crate) fn extent(&self, known: &impl Fn(u32) -> Extent) -> Extent {
+        let mut all = Vec::with_capacity(self.parts.len() + 1);
+        all.push(self.fixed);
+        let (mut primitives, mut states, mut height) = (self.primitives, 0_u64, 0);
+        for part in &self.parts {
+            let extent = part.extent(known);
+            height = height.max(extent.height);
+            all.push(extent.loose);
+            primitives = primitives.saturating_add(extent.primitives.saturating_mul(part.copies));
+            states = states.saturating_add(extent.states.saturating_mul(part.copies));
+        }
+        Extent { loose: Loose::union(&all), primitives, states, height }
+    }
+
+    /// Calls `visit` with the ways to those successors on which its bounds depend.
+    pub(crate) fn ways(&self, outer: &Way, visit: &mut impl FnMut(&Way, u32)) {
+        for part in &self.parts {
+            let way = outer.then(&part.way);
+            match &part.what {
+                What::State(state) => visit(&way, *state),
+                What::Intersect(operands) => operands.iter().for_each(|it| it.ways(&way, visit)),
+                What::Difference(operands) => {
+                    if let Some(first) = operands.first() {
+                        first.ways(&way, visit);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Part {
+    fn extent(&self, known: &impl Fn(u32) -> Extent) -> Extent {
+        let own = match &self.what {
+            What::State(state) => known(*state),
+            What::Intersect(operands) => {
+                let all: Vec<Extent> = operands.iter().map(|it| it.extent(known)).collect();
+                whole(all.iter().map(|it| it.loose).reduce(Loose::intersection).unwrap_or(Loose::EMPTY), &all)
+            }
+            What::Difference(operands) => {
+                let all: Vec<Extent> = operands.iter().map(|it| it.extent(known)).collect();
+                whole(all.first().map_or(Loose::EMPTY, |it| it.loose), &all)
+            }
+        };
+        Extent { loose: own.loose.through(&self.way), ..own }
+    }
+}
+
+/// What a Boolean amounts to, by its bounds and its operands.
+fn whole(loose: Loose, operands: &[Extent]) -> Extent {
+    Extent {
+        loose,
+        primitives: operands.iter().fold(0, |sum, it| sum.saturating_add(it.primitives)),
+        states: operands.iter().fold(0, |sum, it| sum.saturating_add(it.states)),
+        height: operands.iter().map(|it| it.height).max().unwrap_or(0),
+    }
+}

@@ -1,0 +1,105 @@
+//! What states of a scene amount to, asked by many threads.
+//!
+//! The answer for a state follows from the state alone: what else was asked before, by whom and in which order, makes no
+//! difference, since the frames of cells depend on it.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use super::canon::Canon;
+use super::flow::Flow;
+use super::run::{Meeting, Outcome, Rest, Run};
+use super::sketch::{AbstractState, Extent};
+use super::trouble::{Blame, Blamed};
+use super::walk::{Formals, Walker};
+use crate::fault::Fault;
+use crate::form::{Scene, Slot};
+use crate::limits::Limits;
+use crate::quick_hash::BuildQuickHash;
+use crate::trace::State;
+
+/// Answers that a thread remembers before it forgets all of them.
+const MOST_REMEMBERED: usize = 1 << 12;
+
+/// What threads share.
+#[derive(Debug)]
+pub(crate) struct Survey<'s> {
+    scene: &'s Scene,
+    flow: Flow,
+    depth: u32,
+    canon: Mutex<Canon<'s>>,
+}
+
+/// What a thread has of its own.
+#[derive(Debug)]
+pub(crate) struct Scout<'s> {
+    walker: Walker<'s>,
+    remembered: HashMap<AbstractState, Extent, BuildQuickHash>,
+}
+
+impl<'s> Survey<'s> {
+    pub(crate) fn new(scene: &'s Scene, limits: &Limits) -> Self {
+        Self {
+            scene,
+            flow: Flow::of(&scene.graph),
+            depth: limits.depth,
+            canon: Mutex::new(Canon::new(scene, limits)),
+        }
+    }
+
+    pub(crate) fn scout(&self) -> Scout<'s> {
+        Scout { walker: Walker::new(self.scene, Formals::AsGiven), remembered: HashMap::default() }
+    }
+
+    /// Whether no two states of this kind are likely to amount to the same: they draw, or carry data.
+    pub(crate) fn is_rare(&self, state: &State) -> bool {
+        state.path.is_some() || self.flow.at(state.entry).slots.iter().any(|it| !it.1)
+    }
+
+    /// What a state amounts to; `live` are the slots that it has values of.
+    ///
+    /// # Errors
+    /// A cycle without bounds below it, or states too deep inside one another.
+    pub(crate) fn extent(&self, scout: &mut Scout<'s>, state: &State, live: &[Slot]) -> Result<Extent, Fault> {
+        let start = Walker::start(&self.flow, state, live);
+        if let Some(extent) = scout.remembered.get(&start) {
+            return Ok(*extent);
+        }
+        let extent = if self.flow.at(state.entry).discrete {
+            self.shared(start.clone())?
+        } else {
+            self.run(scout, start.clone())?
+        };
+        if scout.remembered.len() >= MOST_REMEMBERED {
+            scout.remembered.clear();
+        }
+        scout.remembered.insert(start, extent);
+        Ok(extent)
+    }
+
+    fn shared(&self, state: AbstractState) -> Result<Extent, Fault> {
+        let mut canon = self.canon.lock().unwrap_or_else(PoisonError::into_inner);
+        canon.extent(&self.flow, state)
+    }
+
+    /// What a state with data of its own amounts to: a run that begins with exactly these.
+    fn run(&self, scout: &mut Scout<'s>, start: AbstractState) -> Result<Extent, Fault> {
+        let run = Run::new(&self.flow, Rest::Elsewhere, start.clone());
+        let outcome = run.finish(&mut scout.walker, |state, is_full| {
+            let discrete = self.flow.at(state.entry).discrete;
+            Ok(match (discrete, is_full) {
+                (true, _) => Meeting::Known(self.shared(state)?),
+                (false, true) => Meeting::Known(self.shared(Canon::coarse(&self.flow, state))?),
+                (false, false) => Meeting::Own(state),
+            })
+        })?;
+        let blamed = Blamed { graph: &self.scene.graph, flow: &self.flow, depth: self.depth };
+        match outcome {
+            Outcome::Extent(extent) if extent.height > self.depth.saturating_add(1) => {
+                Err(blamed.fault(Blame::Depth, &[(start, crate::form::Origin::NONE)], &[]))
+            }
+            Outcome::Extent(extent) => Ok(extent),
+            Outcome::Trouble { trouble, way, cycle, .. } => Err(blamed.fault(Blame::Cycle(trouble), &way, &cycle)),
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Tests of the analysis: against concrete evaluation, and against points of what is really there.
+
+mod operations;
+mod steps;

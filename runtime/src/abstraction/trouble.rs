@@ -1,0 +1,67 @@
+//! Cycles without bounds, as faults.
+
+use super::cycles::Trouble;
+use super::flow::Flow;
+use super::sketch::AbstractState;
+use crate::fault::{Fault, FaultKind, Limit, TrailStep};
+use crate::form::{Graph, Origin, Value};
+use crate::trace::Entry;
+
+/// What is wrong with a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Blame {
+    /// It has no bounds.
+    Cycle(Trouble),
+    /// It has none, and so far as is known it may end, but not within the limit of depth.
+    Depth,
+}
+
+/// What faults are told of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blamed<'a> {
+    pub(super) graph: &'a Graph,
+    pub(super) flow: &'a Flow,
+    /// The limit of states inside one another.
+    pub(super) depth: u32,
+}
+
+impl Blamed<'_> {
+    /// The fault of a cycle and the way that led to it, which ends with its first state.
+    pub(super) fn fault(&self, blame: Blame, way: &[(AbstractState, Origin)], cycle: &[AbstractState]) -> Fault {
+        let called = way.last().map_or(Origin::NONE, |it| it.1);
+        let select = cycle.iter().find_map(|it| match it.entry {
+            Entry::Select(id) => Some(id),
+            Entry::System(_) => None,
+        });
+        let kind = match (blame, select) {
+            (Blame::Cycle(_), Some(select)) => {
+                FaultKind::Endless { select, module: self.graph.select(select).module.clone() }
+            }
+            // Systems alone that call one another are told of by their depth.
+            (Blame::Cycle(_), None) | (Blame::Depth, _) => {
+                FaultKind::Limit { limit: Limit::Depth, most: u64::from(self.depth) }
+            }
+        };
+        let steps = way.iter().map(|(state, called)| step(self.graph, self.flow, state, *called));
+        steps.rev().fold(Fault::new(kind, called), Fault::reached_through)
+    }
+}
+
+/// An abstract state as a step of a trail, with those of its values that are known.
+fn step(graph: &Graph, flow: &Flow, state: &AbstractState, origin: Origin) -> TrailStep {
+    let name = match state.entry {
+        Entry::Select(id) => graph.select(id).module.clone(),
+        Entry::System(id) => graph.system(id).name.clone(),
+    };
+    TrailStep { name, values: values(graph, flow, state), origin }
+}
+
+/// The parameters of a state's module, with those of their values that are known.
+pub(super) fn values(graph: &Graph, flow: &Flow, state: &AbstractState) -> Vec<(String, Value)> {
+    let Entry::Select(id) = state.entry else { return Vec::new() };
+    let select = graph.select(id);
+    let names = &graph.system(select.system).slots;
+    let slots = flow.at(state.entry).slots.iter().zip(&state.slots);
+    let params = slots.filter(|it| select.params.contains(&it.0.0));
+    params.filter_map(|it| Some((names.get(usize::from(it.0.0.0))?.clone(), it.1.exact()?.clone()))).collect()
+}

@@ -1,0 +1,203 @@
+//! Where cells are made: states with what they expand to and what they amount to, for one thread at a time.
+//!
+//! Making a cell looks at many states that no ray will ever ask for: those that are merged into it, and those that a
+//! search for an exact box opens. They live here and not with the cells. What is here is kept for the next cell, which is
+//! often a neighbour, as long as it is not too much; it is made again when it is needed, and is always the same.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use glam::DAffine3;
+
+use super::cell::Frame;
+use super::piece::Piece;
+use super::store::{Store, lock};
+use crate::abstraction::{Extent, Loose, Scout};
+use crate::eval::Machine;
+use crate::fault::{Fault, TrailStep};
+use crate::form::Origin;
+use crate::quick_hash::BuildQuickHash;
+use crate::trace::State;
+
+/// Primitives of a state that is always merged, at most, and states that those are found through.
+const SMALL: u64 = 16;
+const SMALL_STATES: u64 = 32;
+
+/// What a workshop has at hand.
+#[derive(Debug)]
+pub(super) struct Bench<'s> {
+    machine: Machine<'s>,
+    scout: Scout<'s>,
+    numbers: HashMap<Arc<State>, u32, BuildQuickHash>,
+    known: Vec<Known>,
+    /// About how many bytes all that takes.
+    bytes: usize,
+}
+
+/// What is known of a state. All of it follows from the state alone.
+#[derive(Debug)]
+struct Known {
+    state: Arc<State>,
+    pieces: Option<Arc<[Piece]>>,
+    extent: Option<Box<Extent>>,
+}
+
+impl<'s> Bench<'s> {
+    pub(super) fn new(store: &Store<'s>) -> Self {
+        Self {
+            machine: store.expander.machine(),
+            scout: store.survey.scout(),
+            numbers: HashMap::default(),
+            known: Vec::new(),
+            bytes: 0,
+        }
+    }
+
+    fn clear(&mut self) {
+        // New ones, so that what they had grown to is given back.
+        self.numbers = HashMap::default();
+        self.known = Vec::new();
+        self.bytes = 0;
+    }
+}
+
+/// A place to make cells. States have numbers that mean something here only.
+#[derive(Debug)]
+pub(super) struct Workshop<'a, 's> {
+    pub(super) store: &'a Store<'s>,
+    bench: Option<Box<Bench<'s>>>,
+}
+
+impl Drop for Workshop<'_, '_> {
+    fn drop(&mut self) {
+        if let Some(mut bench) = self.bench.take() {
+            if bench.bytes > self.store.bench_bytes {
+                bench.clear();
+            }
+            lock(&self.store.benches).push(bench);
+        }
+    }
+}
+
+impl<'a, 's> Workshop<'a, 's> {
+    pub(super) fn new(store: &'a Store<'s>) -> Self {
+        let kept = lock(&store.benches).pop();
+        Self { store, bench: Some(kept.unwrap_or_else(|| Box::new(Bench::new(store)))) }
+    }
+
+    fn bench(&mut self) -> &mut Bench<'s> {
+        let store = self.store;
+        self.bench.get_or_insert_with(|| Box::new(Bench::new(store)))
+    }
+
+    /// The number of a state: equal states have the same one.
+    pub(super) fn number(&mut self, state: State) -> u32 {
+        if let Some(number) = self.bench().numbers.get(&state) {
+            return *number;
+        }
+        self.add(Arc::new(state))
+    }
+
+    /// The number of a state that is kept elsewhere as well.
+    pub(super) fn number_of(&mut self, state: &Arc<State>) -> u32 {
+        let known = self.bench().numbers.get(state).copied();
+        known.unwrap_or_else(|| self.add(Arc::clone(state)))
+    }
+
+    fn add(&mut self, state: Arc<State>) -> u32 {
+        let bench = self.bench();
+        let number = bench.known.len() as u32;
+        bench.bytes += state.bytes() + size_of::<Known>() + 4 * size_of::<usize>();
+        bench.numbers.insert(Arc::clone(&state), number);
+        bench.known.push(Known { state, pieces: None, extent: None });
+        number
+    }
+
+    /// The state of a number.
+    pub(super) fn state(&mut self, number: u32) -> Arc<State> {
+        Arc::clone(&self.bench().known[number as usize].state)
+    }
+
+    /// What a state expands to.
+    ///
+    /// # Errors
+    /// What fails in expanding it; the trail names only what lies below the state.
+    pub(super) fn pieces(&mut self, number: u32) -> Result<Arc<[Piece]>, Fault> {
+        let store = self.store;
+        let bench = self.bench();
+        let known = &bench.known[number as usize];
+        if let Some(pieces) = &known.pieces {
+            return Ok(Arc::clone(pieces));
+        }
+        let state = Arc::clone(&known.state);
+        let group = store.expander.expand_with(&mut bench.machine, &state)?;
+        store.expanded.fetch_add(1, Ordering::Relaxed);
+        let pieces: Arc<[Piece]> = Piece::of_group(&mut |it| self.number(it), group).into();
+        let bench = self.bench();
+        bench.bytes += Piece::bytes(&pieces);
+        bench.known[number as usize].pieces = Some(Arc::clone(&pieces));
+        Ok(pieces)
+    }
+
+    fn extent(&mut self, number: u32) -> Result<&Extent, Fault> {
+        let store = self.store;
+        let bench = self.bench();
+        let known = &mut bench.known[number as usize];
+        if known.extent.is_none() {
+            let live = store.expander.live_slots(known.state.entry);
+            known.extent = Some(Box::new(store.survey.extent(&mut bench.scout, &known.state, live)?));
+            bench.bytes += size_of::<Extent>();
+        }
+        Ok(bench.known[number as usize].extent.get_or_insert_with(|| Box::new(Extent::ALL)))
+    }
+
+    /// The loose bounds of a state.
+    ///
+    /// # Errors
+    /// A cycle without bounds below it, or states too deep inside one another.
+    pub(super) fn loose(&mut self, number: u32) -> Result<Loose, Fault> {
+        self.extent(number).map(|it| it.loose)
+    }
+
+    /// At least how far a state reaches in a direction.
+    pub(super) fn reach(&mut self, number: u32, direction: glam::DVec3) -> Result<f64, Fault> {
+        self.extent(number).map(|it| it.loose.support(direction))
+    }
+
+    /// The frame of a state's cell.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn frame(&mut self, number: u32) -> Result<Frame, Fault> {
+        self.extent(number).map(|it| Frame::around(&it.loose.finite))
+    }
+
+    /// Whether a state stands for few primitives whatever it draws.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn is_small(&mut self, number: u32) -> Result<bool, Fault> {
+        self.extent(number).map(|it| it.primitives <= SMALL && it.states <= SMALL_STATES)
+    }
+
+    /// Whether no other state is likely to lead to this one: what is made of it is of use once only.
+    pub(super) fn is_rare(&mut self, number: u32) -> bool {
+        let store = self.store;
+        store.survey.is_rare(&self.bench().known[number as usize].state)
+    }
+
+    /// The bounds of a state in the frame outside a map, loose ones.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn loose_through(&mut self, number: u32, map: &DAffine3) -> Result<Loose, Fault> {
+        self.loose(number).map(|it| it.through_map(map))
+    }
+
+    /// A state as a step of a trail.
+    pub(super) fn step(&mut self, number: u32, called: Origin) -> TrailStep {
+        let state = self.state(number);
+        self.store.expander.trail_step(&state, called)
+    }
+}

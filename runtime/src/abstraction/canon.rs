@@ -14,7 +14,7 @@ use super::sketch::{AbstractState, Extent, Sketch};
 use super::trouble::{Blame, Blamed};
 use super::walk::{Formals, Walker};
 use crate::fault::Fault;
-use crate::form::{Origin, Scene};
+use crate::form::Origin;
 use crate::limits::Limits;
 use crate::quick_hash::BuildQuickHash;
 
@@ -37,10 +37,9 @@ struct Node {
 
 /// The kept states of a scene.
 #[derive(Debug)]
-pub(crate) struct Canon<'s> {
-    scene: &'s Scene,
+pub(crate) struct Canon {
     depth: u32,
-    walker: Walker<'s>,
+    walker: Walker,
     numbers: HashMap<Arc<AbstractState>, u32, BuildQuickHash>,
     nodes: Vec<Node>,
     /// By node, the search that saw it last, and its number in that.
@@ -52,12 +51,11 @@ pub(crate) struct Canon<'s> {
 /// met from, and the place of the call.
 type Found = Vec<(u32, u32, Origin)>;
 
-impl<'s> Canon<'s> {
-    pub(crate) fn new(scene: &'s Scene, limits: &Limits) -> Self {
+impl Canon {
+    pub(crate) fn new(limits: &Limits) -> Self {
         Self {
-            scene,
             depth: limits.depth,
-            walker: Walker::new(scene, Formals::AsGiven),
+            walker: Walker::new(Formals::AsGiven),
             numbers: HashMap::default(),
             nodes: Vec::new(),
             seen: Vec::new(),
@@ -102,8 +100,8 @@ impl<'s> Canon<'s> {
         Ok(extent)
     }
 
-    fn blame<'a>(&'a self, flow: &'a Flow) -> Blamed<'a> {
-        Blamed { graph: &self.scene.graph, flow, depth: self.depth }
+    fn blame<'a>(&self, flow: &'a Flow) -> Blamed<'a> {
+        Blamed { flow, depth: self.depth }
     }
 
     fn known(&self, number: u32) -> Extent {
@@ -295,7 +293,7 @@ impl<'s> Canon<'s> {
     /// What a state amounts to whose states are too many to be looked at one by one.
     fn run(&mut self, flow: &Flow, number: u32) -> Result<Extent, Fault> {
         let start = AbstractState::clone(&self.nodes[number as usize].state);
-        let mut walker = Walker::new(self.scene, Formals::AsGiven);
+        let mut walker = Walker::new(Formals::AsGiven);
         let run = Run::new(flow, Rest::Wide, start);
         let outcome = run.finish(&mut walker, |state, _| {
             let state = Self::coarse(flow, state);

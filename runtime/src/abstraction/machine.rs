@@ -5,13 +5,11 @@
 
 use smallvec::SmallVec;
 
+use super::flow::Flow;
 use super::operation;
 use super::range::Range;
 use super::value::Abstract;
 use crate::form::{Builtin, Code, Function, FunctionId, Op, Reg, Slot};
-
-/// What a run gives: what is known of each result of the code.
-pub(super) type Results = SmallVec<[Abstract; 4]>;
 
 /// Operations inside functions that one run may take. Then nothing is known of what the code gives.
 const MOST_OPERATIONS: u32 = 20_000;
@@ -19,14 +17,16 @@ const MOST_OPERATIONS: u32 = 20_000;
 const MOST_CALLS: u32 = 64;
 
 /// Runs codes. It keeps its registers between runs.
-#[derive(Debug)]
-pub(super) struct AbstractMachine<'g> {
-    functions: &'g [Function],
+#[derive(Debug, Default)]
+pub(super) struct AbstractMachine {
     seed: u64,
     registers: Vec<Abstract>,
     /// Operations done inside functions since the run began.
     operations: u32,
 }
+
+/// The operands of an operation.
+pub(super) type Args<'a> = SmallVec<[&'a Abstract; 4]>;
 
 /// Where a code stands among the registers.
 #[derive(Clone, Copy)]
@@ -43,26 +43,53 @@ struct Waiting {
     slots: Vec<Abstract>,
 }
 
-impl<'g> AbstractMachine<'g> {
-    pub(super) fn new(functions: &'g [Function], seed: u64) -> Self {
-        Self { functions, seed, registers: Vec::new(), operations: 0 }
-    }
-
-    /// Runs a code on slots. `None`: it fails whatever the draws, so nothing comes out, and the slots mean nothing any
-    /// more.
-    pub(super) fn run(&mut self, code: &Code, slots: &mut Vec<Abstract>) -> Option<Results> {
+impl AbstractMachine {
+    /// Runs a code on slots; what it gives is asked for with [`AbstractMachine::result`]. If it fails whatever the draws,
+    /// nothing comes out (`false`), and the slots mean nothing any more.
+    pub(super) fn run(&mut self, flow: &Flow, code: &Code, slots: &mut Vec<Abstract>) -> bool {
+        self.seed = flow.seed;
         self.operations = 0;
         self.registers.clear();
-        let comes_out = self.execute(code, slots, Frame { base: 0, args: 0, depth: 0 });
+        let functions = flow.graph.functions();
+        let comes_out = self.execute(functions, code, slots, Frame { base: 0, args: 0, depth: 0 });
         if self.operations > MOST_OPERATIONS {
             for op in &code.ops {
                 if let Op::Store(slot, _) = op {
                     slots[usize::from(slot.0)] = Abstract::Any;
                 }
             }
-            return Some(code.results.iter().map(|_| Abstract::Any).collect());
+            self.registers.fill(Abstract::Any);
+            return true;
         }
-        comes_out.then(|| code.results.iter().map(|it| self.get(0, *it).clone()).collect())
+        comes_out
+    }
+
+    /// What is known of a result of the code that ran last.
+    pub(super) fn result(&self, code: &Code, number: usize) -> &Abstract {
+        code.results.get(number).map_or(&Abstract::Any, |it| self.get(0, *it))
+    }
+
+    /// What is known of a code's one result as a truth value: `Some(None)` if it may be either, `None` if it fails.
+    pub(super) fn truth(&mut self, flow: &Flow, code: &Code, slots: &mut Vec<Abstract>) -> Option<Option<bool>> {
+        if self.run(flow, code, slots) { operation::truth(self.result(code, 0)) } else { None }
+    }
+
+    /// The ranges of a code's results, which are numbers.
+    pub(super) fn ranges(
+        &mut self,
+        flow: &Flow,
+        code: &Code,
+        slots: &mut Vec<Abstract>,
+    ) -> Option<SmallVec<[Range; 12]>> {
+        if !self.run(flow, code, slots) {
+            return None;
+        }
+        (0..code.results.len()).map(|it| self.result(code, it).as_range()).collect()
+    }
+
+    /// The range of a code's one result, which is a number.
+    pub(super) fn range(&mut self, flow: &Flow, code: &Code, slots: &mut Vec<Abstract>) -> Option<Range> {
+        if self.run(flow, code, slots) { self.result(code, 0).as_range() } else { None }
     }
 
     fn get(&self, base: usize, reg: Reg) -> &Abstract {
@@ -70,7 +97,7 @@ impl<'g> AbstractMachine<'g> {
     }
 
     /// Runs a code; whether it comes to its end.
-    fn execute(&mut self, code: &Code, slots: &mut Vec<Abstract>, frame: Frame) -> bool {
+    fn execute(&mut self, functions: &[Function], code: &Code, slots: &mut Vec<Abstract>, frame: Frame) -> bool {
         self.registers.resize(frame.base + usize::from(code.registers), Abstract::Any);
         let mut waiting: SmallVec<[Waiting; 2]> = SmallVec::new();
         let mut alive = true;
@@ -117,7 +144,7 @@ impl<'g> AbstractMachine<'g> {
                         Some(Some(_)) => {}
                     }
                 }
-                Op::Call { to, function, args, .. } => match self.call(*function, args, slots, frame) {
+                Op::Call { to, function, args, .. } => match self.call(functions, *function, args, slots, frame) {
                     Some(result) => self.set(frame.base, *to, result),
                     None => alive = false,
                 },
@@ -171,11 +198,17 @@ impl<'g> AbstractMachine<'g> {
         self.registers[base + usize::from(reg.0)] = value;
     }
 
-    fn call(&mut self, id: FunctionId, args: &[Reg], slots: &mut Vec<Abstract>, caller: Frame) -> Option<Abstract> {
+    fn call(
+        &mut self,
+        functions: &[Function],
+        id: FunctionId,
+        args: &[Reg],
+        slots: &mut Vec<Abstract>,
+        caller: Frame,
+    ) -> Option<Abstract> {
         if caller.depth >= MOST_CALLS {
             return Some(Abstract::Any);
         }
-        let functions = self.functions;
         let function = &functions[id.0 as usize];
         let start = self.registers.len();
         for arg in args {
@@ -183,7 +216,7 @@ impl<'g> AbstractMachine<'g> {
             self.registers.push(value);
         }
         let inner = Frame { base: self.registers.len(), args: start, depth: caller.depth + 1 };
-        let comes_out = self.execute(&function.code, slots, inner);
+        let comes_out = self.execute(functions, &function.code, slots, inner);
         let result = match function.code.results.first() {
             Some(it) if comes_out && self.operations <= MOST_OPERATIONS => Some(self.get(inner.base, *it).clone()),
             _ => comes_out.then_some(Abstract::Any),
@@ -232,18 +265,8 @@ impl<'g> AbstractMachine<'g> {
         }
     }
 
-    fn all(&self, base: usize, regs: &[Reg]) -> Results {
-        regs.iter().map(|it| self.get(base, *it).clone()).collect()
-    }
-
-    /// What is known of a code's one result as a truth value: `Some(None)` if it may be either.
-    pub(super) fn truth(&mut self, code: &Code, slots: &mut Vec<Abstract>) -> Option<Option<bool>> {
-        operation::truth(self.run(code, slots)?.first()?)
-    }
-
-    /// The ranges of a code's results, which are numbers.
-    pub(super) fn ranges(&mut self, code: &Code, slots: &mut Vec<Abstract>) -> Option<SmallVec<[Range; 12]>> {
-        self.run(code, slots)?.iter().map(Abstract::as_range).collect()
+    fn all(&self, base: usize, regs: &[Reg]) -> Args<'_> {
+        regs.iter().map(|it| self.get(base, *it)).collect()
     }
 }
 

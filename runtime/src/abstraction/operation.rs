@@ -17,8 +17,8 @@ const MOST_CHOICES: usize = 256;
 const SIGMAS: f64 = 3.0;
 
 /// The values, if all are known.
-fn exact<'v>(values: impl IntoIterator<Item = &'v Abstract>) -> Option<SmallVec<[Value; 4]>> {
-    values.into_iter().map(|it| it.exact().cloned()).collect()
+fn exact(values: &[&Abstract]) -> Option<SmallVec<[Value; 4]>> {
+    values.iter().map(|it| it.exact().cloned()).collect()
 }
 
 /// The truth of a value: `Some(None)` if it may be either.
@@ -153,8 +153,8 @@ fn multiply(a: &Abstract, b: &Abstract) -> Option<Abstract> {
     }
 }
 
-pub(super) fn vector(parts: &[Abstract]) -> Option<Abstract> {
-    let ranges: Option<SmallVec<[Range; 4]>> = parts.iter().map(Abstract::as_range).collect();
+pub(super) fn vector(parts: &[&Abstract]) -> Option<Abstract> {
+    let ranges: Option<SmallVec<[Range; 4]>> = parts.iter().map(|it| it.as_range()).collect();
     Ranges::new(&ranges?).map(Abstract::vector)
 }
 
@@ -198,8 +198,8 @@ pub(super) fn part(vector: &Abstract, number: u8) -> Option<Abstract> {
 }
 
 /// What a draw may give.
-pub(super) fn draw(draw: Draw, args: &[Abstract]) -> Option<Abstract> {
-    let range = |number: usize| args.get(number).and_then(Abstract::as_range);
+pub(super) fn draw(draw: Draw, args: &[&Abstract]) -> Option<Abstract> {
+    let range = |number: usize| args.get(number).and_then(|it| it.as_range());
     match draw {
         Draw::Uniform => {
             let (low, high) = (range(0)?, range(1)?);
@@ -241,7 +241,7 @@ pub(super) fn rand() -> Abstract {
 }
 
 /// `noise(p)`
-pub(super) fn noise(seed: u64, args: &[Abstract]) -> Option<Abstract> {
+pub(super) fn noise(seed: u64, args: &[&Abstract]) -> Option<Abstract> {
     if let Some(values) = exact(args) {
         return operation::noise(seed, &values).ok().map(Abstract::Exact);
     }
@@ -255,11 +255,11 @@ pub(super) fn noise(seed: u64, args: &[Abstract]) -> Option<Abstract> {
 }
 
 /// The built-in functions that need nothing but their arguments.
-pub(super) fn builtin(builtin: Builtin, args: &[Abstract]) -> Option<Abstract> {
+pub(super) fn builtin(builtin: Builtin, args: &[&Abstract]) -> Option<Abstract> {
     if let Some(values) = exact(args) {
         return operation::builtin(builtin, &values).ok().map(Abstract::Exact);
     }
-    let range = |number: usize| args.get(number).and_then(Abstract::as_range);
+    let range = |number: usize| args.get(number).and_then(|it| it.as_range());
     let number = |range: Option<Range>| range.map(Abstract::number);
     match builtin {
         Builtin::Sin => number(range(0)?.sin()),
@@ -292,11 +292,11 @@ pub(super) fn builtin(builtin: Builtin, args: &[Abstract]) -> Option<Abstract> {
     }
 }
 
-fn all(args: &[Abstract]) -> Option<SmallVec<[Range; 4]>> {
-    args.iter().map(Abstract::as_range).collect()
+fn all(args: &[&Abstract]) -> Option<SmallVec<[Range; 4]>> {
+    args.iter().map(|it| it.as_range()).collect()
 }
 
-fn mix(args: &[Abstract]) -> Option<Abstract> {
+fn mix(args: &[&Abstract]) -> Option<Abstract> {
     let [a, b, t] = args else { return None };
     let step = multiply(&binary(BinaryOp::Subtract, b, a)?, &Abstract::number(t.as_range()?))?;
     let sum = binary(BinaryOp::Add, a, &step)?;
@@ -321,8 +321,8 @@ fn mix(args: &[Abstract]) -> Option<Abstract> {
     }
 }
 
-fn of_vectors(builtin: Builtin, args: &[Abstract]) -> Option<Abstract> {
-    let vectors: Option<SmallVec<[Ranges; 2]>> = args.iter().map(Abstract::as_ranges).collect();
+fn of_vectors(builtin: Builtin, args: &[&Abstract]) -> Option<Abstract> {
+    let vectors: Option<SmallVec<[Ranges; 2]>> = args.iter().map(|it| it.as_ranges()).collect();
     let Some(vectors) = vectors else {
         let may_be_vectors = args.iter().all(|it| matches!(it, Abstract::Any) || it.as_ranges().is_some());
         return may_be_vectors.then(|| match builtin {

@@ -111,7 +111,7 @@ impl<'f> Run<'f> {
     /// Those of `meet`.
     pub(super) fn finish(
         mut self,
-        walker: &mut Walker<'_>,
+        walker: &mut Walker,
         mut meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
     ) -> Result<Outcome, Fault> {
         let mut drawn = 0;

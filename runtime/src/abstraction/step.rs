@@ -67,7 +67,8 @@ impl Step {
         }
     }
 
-    fn known(kind: TransformKind, values: &[f64]) -> Option<Self> {
+    /// The step of a T-node with these numbers.
+    pub(crate) fn known(kind: TransformKind, values: &[f64]) -> Option<Self> {
         let map = matrix(kind, values).filter(|it| it.is_finite() && it.inverse().is_finite())?;
         let stretch = match (kind, values) {
             // These keep lengths, whatever rounding has made of their matrices.

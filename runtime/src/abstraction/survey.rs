@@ -23,32 +23,28 @@ const MOST_REMEMBERED: usize = 1 << 12;
 
 /// What threads share.
 #[derive(Debug)]
-pub(crate) struct Survey<'s> {
-    scene: &'s Scene,
+pub(crate) struct Survey {
     flow: Flow,
     depth: u32,
-    canon: Mutex<Canon<'s>>,
+    canon: Mutex<Canon>,
 }
 
 /// What a thread has of its own.
 #[derive(Debug)]
-pub(crate) struct Scout<'s> {
-    walker: Walker<'s>,
+pub(crate) struct Scout {
+    walker: Walker,
     remembered: HashMap<AbstractState, Extent, BuildQuickHash>,
 }
 
-impl<'s> Survey<'s> {
-    pub(crate) fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self {
-            scene,
-            flow: Flow::of(&scene.graph),
-            depth: limits.depth,
-            canon: Mutex::new(Canon::new(scene, limits)),
-        }
+impl Default for Scout {
+    fn default() -> Self {
+        Self { walker: Walker::new(Formals::AsGiven), remembered: HashMap::default() }
     }
+}
 
-    pub(crate) fn scout(&self) -> Scout<'s> {
-        Scout { walker: Walker::new(self.scene, Formals::AsGiven), remembered: HashMap::default() }
+impl Survey {
+    pub(crate) fn new(scene: &Scene, limits: &Limits) -> Self {
+        Self { flow: Flow::of(scene), depth: limits.depth, canon: Mutex::new(Canon::new(limits)) }
     }
 
     /// Whether no two states of this kind are likely to amount to the same: they draw, or carry data.
@@ -60,7 +56,7 @@ impl<'s> Survey<'s> {
     ///
     /// # Errors
     /// A cycle without bounds below it, or states too deep inside one another.
-    pub(crate) fn extent(&self, scout: &mut Scout<'s>, state: &State, live: &[Slot]) -> Result<Extent, Fault> {
+    pub(crate) fn extent(&self, scout: &mut Scout, state: &State, live: &[Slot]) -> Result<Extent, Fault> {
         let start = Walker::start(&self.flow, state, live);
         if let Some(extent) = scout.remembered.get(&start) {
             return Ok(*extent);
@@ -83,7 +79,7 @@ impl<'s> Survey<'s> {
     }
 
     /// What a state with data of its own amounts to: a run that begins with exactly these.
-    fn run(&self, scout: &mut Scout<'s>, start: AbstractState) -> Result<Extent, Fault> {
+    fn run(&self, scout: &mut Scout, start: AbstractState) -> Result<Extent, Fault> {
         let run = Run::new(&self.flow, Rest::Elsewhere, start.clone());
         let outcome = run.finish(&mut scout.walker, |state, is_full| {
             let discrete = self.flow.at(state.entry).discrete;
@@ -93,7 +89,7 @@ impl<'s> Survey<'s> {
                 (false, false) => Meeting::Own(state),
             })
         })?;
-        let blamed = Blamed { graph: &self.scene.graph, flow: &self.flow, depth: self.depth };
+        let blamed = Blamed { flow: &self.flow, depth: self.depth };
         match outcome {
             Outcome::Extent(extent) if extent.height > self.depth.saturating_add(1) => {
                 Err(blamed.fault(Blame::Depth, &[(start, crate::form::Origin::NONE)], &[]))

@@ -4,7 +4,7 @@ use super::cycles::Trouble;
 use super::flow::Flow;
 use super::sketch::AbstractState;
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, Origin, Value};
+use crate::form::{Origin, Value};
 use crate::trace::Entry;
 
 /// What is wrong with a cycle.
@@ -19,7 +19,6 @@ pub(super) enum Blame {
 /// What faults are told of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Blamed<'a> {
-    pub(super) graph: &'a Graph,
     pub(super) flow: &'a Flow,
     /// The limit of states inside one another.
     pub(super) depth: u32,
@@ -35,32 +34,32 @@ impl Blamed<'_> {
         });
         let kind = match (blame, select) {
             (Blame::Cycle(_), Some(select)) => {
-                FaultKind::Endless { select, module: self.graph.select(select).module.clone() }
+                FaultKind::Endless { select, module: self.flow.graph.select(select).module.clone() }
             }
             // Systems alone that call one another are told of by their depth.
             (Blame::Cycle(_), None) | (Blame::Depth, _) => {
                 FaultKind::Limit { limit: Limit::Depth, most: u64::from(self.depth) }
             }
         };
-        let steps = way.iter().map(|(state, called)| step(self.graph, self.flow, state, *called));
+        let steps = way.iter().map(|(state, called)| step(self.flow, state, *called));
         steps.rev().fold(Fault::new(kind, called), Fault::reached_through)
     }
 }
 
 /// An abstract state as a step of a trail, with those of its values that are known.
-fn step(graph: &Graph, flow: &Flow, state: &AbstractState, origin: Origin) -> TrailStep {
+fn step(flow: &Flow, state: &AbstractState, origin: Origin) -> TrailStep {
     let name = match state.entry {
-        Entry::Select(id) => graph.select(id).module.clone(),
-        Entry::System(id) => graph.system(id).name.clone(),
+        Entry::Select(id) => flow.graph.select(id).module.clone(),
+        Entry::System(id) => flow.graph.system(id).name.clone(),
     };
-    TrailStep { name, values: values(graph, flow, state), origin }
+    TrailStep { name, values: values(flow, state), origin }
 }
 
 /// The parameters of a state's module, with those of their values that are known.
-pub(super) fn values(graph: &Graph, flow: &Flow, state: &AbstractState) -> Vec<(String, Value)> {
+pub(super) fn values(flow: &Flow, state: &AbstractState) -> Vec<(String, Value)> {
     let Entry::Select(id) = state.entry else { return Vec::new() };
-    let select = graph.select(id);
-    let names = &graph.system(select.system).slots;
+    let select = flow.graph.select(id);
+    let names = &flow.graph.system(select.system).slots;
     let slots = flow.at(state.entry).slots.iter().zip(&state.slots);
     let params = slots.filter(|it| select.params.contains(&it.0.0));
     params.filter_map(|it| Some((names.get(usize::from(it.0.0.0))?.clone(), it.1.exact()?.clone()))).collect()

@@ -97,7 +97,7 @@ impl Abstract {
     }
 
     /// A list.
-    pub(crate) fn list(values: &[Self]) -> Self {
+    pub(crate) fn list(values: &[&Self]) -> Self {
         if values.len() > MOST_ELEMENTS {
             return Self::Any;
         }
@@ -105,7 +105,7 @@ impl Abstract {
             values.iter().map(|it| if let Self::Exact(it) = it { Some(it.clone()) } else { None }).collect();
         match exact {
             Some(exact) => Self::Exact(Value::List(exact.into())),
-            None => Self::List(values.into()),
+            None => Self::List(values.iter().map(|it| (*it).clone()).collect()),
         }
     }
 
@@ -165,7 +165,7 @@ impl Abstract {
                 match (self.elements(), other.elements()) {
                     (Some(a), Some(b)) if a.len() == b.len() => {
                         let joined: Vec<Self> = a.iter().zip(&*b).map(|(a, b)| a.combined(b, ranges)).collect();
-                        Self::list(&joined)
+                        Self::list(&joined.iter().collect::<Vec<_>>())
                     }
                     _ => Self::Any,
                 }
@@ -194,7 +194,10 @@ impl Abstract {
             return ranges.map(|it| Some(it.coarse())).map_or(Self::Any, Self::vector);
         }
         match (self, self.elements()) {
-            (_, Some(values)) => Self::list(&values.iter().map(Self::coarse).collect::<Vec<_>>()),
+            (_, Some(values)) => {
+                let coarse: Vec<Self> = values.iter().map(Self::coarse).collect();
+                Self::list(&coarse.iter().collect::<Vec<_>>())
+            }
             (Self::Exact(Value::List(_)), None) => Self::Any,
             _ => self.clone(),
         }

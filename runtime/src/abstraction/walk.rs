@@ -6,15 +6,15 @@
 use glam::DAffine3;
 use smallvec::SmallVec;
 
-use super::flow::Flow;
+use super::flow::{Fixed, Flow};
 use super::loose::Loose;
-use super::machine::{AbstractMachine, Results};
+use super::machine::AbstractMachine;
 use super::range::Range;
 use super::sketch::{AbstractState, Part, Sketch, Successor, What};
 use super::step::{Step, Way};
 use super::value::Abstract;
 use crate::form::{
-    Call, Choice, Code, Formal, Graph, Node, NodeId, Op, Origin, Scene, Select, Slot, SystemCall, SystemId, Value,
+    Call, Choice, Code, Formal, Node, NodeId, Op, Origin, Select, Slot, SystemCall, SystemId, Value,
 };
 use crate::geometry::Primitive;
 use crate::trace::{Entry, State};
@@ -56,9 +56,8 @@ pub(crate) enum Formals {
 
 /// Evaluates nodes on abstract values.
 #[derive(Debug)]
-pub(crate) struct Walker<'g> {
-    graph: &'g Graph,
-    machine: AbstractMachine<'g>,
+pub(crate) struct Walker {
+    machine: AbstractMachine,
     formals: Formals,
     /// The slots where the walk is.
     slots: Vec<Abstract>,
@@ -77,12 +76,10 @@ struct Here {
     certain: bool,
 }
 
-impl<'g> Walker<'g> {
-    pub(crate) fn new(scene: &'g Scene, formals: Formals) -> Self {
-        let graph = &scene.graph;
+impl Walker {
+    pub(crate) fn new(formals: Formals) -> Self {
         Self {
-            graph,
-            machine: AbstractMachine::new(graph.functions(), scene.seed),
+            machine: AbstractMachine::default(),
             formals,
             slots: Vec::new(),
             journal: Vec::new(),
@@ -103,19 +100,19 @@ impl<'g> Walker<'g> {
 
     /// The abstract state of the whole scene; `None` if its own values fail.
     pub(crate) fn root(&mut self, flow: &Flow) -> Option<AbstractState> {
-        let id = self.graph.root();
-        let slots = self.fill(id, &[], Results::new())?;
+        let id = flow.graph.root();
+        let slots = self.fill(flow, id, &[], SmallVec::new())?;
         Some(picked(flow, Entry::System(id), |slot| slots[usize::from(slot.0)].clone()))
     }
 
     /// What a state leads to.
     pub(crate) fn draw(&mut self, flow: &Flow, state: &AbstractState) -> Drawn {
         let system = match state.entry {
-            Entry::Select(id) => self.graph.select(id).system,
+            Entry::Select(id) => flow.graph.select(id).system,
             Entry::System(id) => id,
         };
         self.slots.clear();
-        self.slots.resize(self.graph.system(system).slots.len(), Abstract::Any);
+        self.slots.resize(flow.graph.system(system).slots.len(), Abstract::Any);
         for ((slot, _), value) in flow.at(state.entry).slots.iter().zip(&state.slots) {
             self.slots[usize::from(slot.0)] = value.clone();
         }
@@ -125,10 +122,10 @@ impl<'g> Walker<'g> {
         let mut chosen = Chosen::default();
         let mut here = Here { way: Way::default(), copies: 1, certain: true };
         match state.entry {
-            Entry::System(id) => self.add(flow, &mut sketch, self.graph.system(id).start, here),
+            Entry::System(id) => self.add(flow, &mut sketch, flow.graph.system(id).start, here),
             Entry::Select(id) => {
-                let select = self.graph.select(id);
-                chosen = self.choose(select);
+                let select = flow.graph.select(id);
+                chosen = self.choose(flow, select);
                 here.certain = chosen.certain;
                 for rule in &chosen.rules {
                     self.add(flow, &mut sketch, select.rules[*rule as usize].body, here.clone());
@@ -140,12 +137,12 @@ impl<'g> Walker<'g> {
     }
 
     /// Which rules an S-node may select.
-    fn choose(&mut self, select: &Select) -> Chosen {
+    fn choose(&mut self, flow: &Flow, select: &Select) -> Chosen {
         let mut chosen = Chosen::default();
         match &select.choice {
             Choice::First => {
                 for (number, rule) in select.rules.iter().enumerate() {
-                    match self.holds(rule.guard.as_ref()) {
+                    match self.holds(flow, rule.guard.as_ref()) {
                         // Whoever comes here fails.
                         None => return chosen,
                         Some(Some(false)) => {}
@@ -163,7 +160,7 @@ impl<'g> Walker<'g> {
             Choice::Weighted(_) => {
                 chosen.may_be_none = true;
                 for (number, rule) in select.rules.iter().enumerate() {
-                    let Some(truth) = self.holds(rule.guard.as_ref()) else {
+                    let Some(truth) = self.holds(flow, rule.guard.as_ref()) else {
                         return Chosen::default();
                     };
                     if truth == Some(false) {
@@ -171,7 +168,7 @@ impl<'g> Walker<'g> {
                     }
                     chosen.may_be_none &= truth.is_none();
                     let weight = match &rule.weight {
-                        Some(code) => self.machine.ranges(code, &mut self.slots).and_then(|it| it.first().copied()),
+                        Some(code) => self.machine.range(flow, code, &mut self.slots),
                         None => Some(Range::at(1.0)),
                     };
                     if weight.is_some_and(|it| it.high() > 0.0) {
@@ -181,7 +178,7 @@ impl<'g> Walker<'g> {
                 chosen.certain = chosen.rules.len() == 1 && !chosen.may_be_none;
             }
             Choice::Function(code) => {
-                let number = self.machine.ranges(code, &mut self.slots).and_then(|it| it.first().copied());
+                let number = self.machine.range(flow, code, &mut self.slots);
                 let all = 1..=select.rules.len() as u32;
                 chosen.rules =
                     all.filter(|it| number.is_some_and(|range| range.contains(f64::from(*it)))).map(|it| it - 1).collect();
@@ -192,8 +189,8 @@ impl<'g> Walker<'g> {
     }
 
     /// Whether a guard holds: `Some(None)` if it may, `None` if it fails.
-    fn holds(&mut self, guard: Option<&Code>) -> Option<Option<bool>> {
-        guard.map_or(Some(Some(true)), |it| self.machine.truth(it, &mut self.slots))
+    fn holds(&mut self, flow: &Flow, guard: Option<&Code>) -> Option<Option<bool>> {
+        guard.map_or(Some(Some(true)), |it| self.machine.truth(flow, it, &mut self.slots))
     }
 
     /// Adds what a node may stand for to a sketch.
@@ -211,13 +208,18 @@ impl<'g> Walker<'g> {
     }
 
     fn go(&mut self, flow: &Flow, sketch: &mut Sketch, node: NodeId, mut here: Here) {
-        let graph = self.graph;
         let mut node = node;
         loop {
-            match graph.node(node) {
+            match flow.graph.node(node) {
                 Node::Empty => return,
                 Node::Primitive { kind, code, .. } => {
-                    let Some(ranges) = self.machine.ranges(code, &mut self.slots) else { return };
+                    if let Fixed::Primitive(primitive) = flow.fixed(node) {
+                        if let Some(primitive) = primitive {
+                            sketch.add(bounds_of(primitive, &here.way), here.copies);
+                        }
+                        return;
+                    }
+                    let Some(ranges) = self.machine.ranges(flow, code, &mut self.slots) else { return };
                     let exact: SmallVec<[f64; 12]> = ranges.iter().map_while(|it| it.exact()).collect();
                     let loose = if exact.len() < ranges.len() {
                         Loose::of_primitives(*kind, &ranges).through(&here.way)
@@ -231,21 +233,24 @@ impl<'g> Walker<'g> {
                     return;
                 }
                 Node::Transform { kind, code, body, .. } => {
-                    let ranges = self.machine.ranges(code, &mut self.slots);
-                    let Some(step) = ranges.and_then(|it| Step::of(*kind, &it)) else { return };
+                    let step = match flow.fixed(node) {
+                        Fixed::Step(step) => step.clone(),
+                        _ => self.machine.ranges(flow, code, &mut self.slots).and_then(|it| Step::of(*kind, &it)),
+                    };
+                    let Some(step) = step else { return };
                     here.way.push(step);
                     node = *body;
                 }
                 Node::Calc { code, body, .. } => {
                     self.remember(code);
-                    if self.machine.run(code, &mut self.slots).is_none() {
+                    if !self.machine.run(flow, code, &mut self.slots) {
                         return;
                     }
                     node = *body;
                 }
                 Node::Paint { body, .. } | Node::Variant { body, .. } => node = *body,
                 Node::Choice { condition, then, otherwise } => {
-                    match self.machine.truth(condition, &mut self.slots) {
+                    match self.machine.truth(flow, condition, &mut self.slots) {
                         None => return,
                         Some(Some(truth)) => node = if truth { *then } else { *otherwise },
                         Some(None) => {
@@ -256,7 +261,7 @@ impl<'g> Walker<'g> {
                     }
                 }
                 Node::Repeat { count, index, body, .. } => {
-                    let counts = self.machine.ranges(count, &mut self.slots).and_then(|it| it.first().copied());
+                    let counts = self.machine.range(flow, count, &mut self.slots);
                     self.repeat(flow, sketch, (counts, *index, *body), &here);
                     return;
                 }
@@ -354,45 +359,57 @@ impl<'g> Walker<'g> {
 
     /// The state behind a call; `None` if its arguments fail.
     fn enter(&mut self, flow: &Flow, call: &Call) -> Option<AbstractState> {
-        let args = self.machine.run(&call.args, &mut self.slots)?;
-        let params = &self.graph.select(call.select).params;
+        if !self.machine.run(flow, &call.args, &mut self.slots) {
+            return None;
+        }
+        let params = &flow.graph.select(call.select).params;
         let value = |slot: Slot| match params.iter().rposition(|it| *it == slot) {
-            Some(number) => args.get(number).cloned().unwrap_or(Abstract::Any),
+            Some(number) => self.machine.result(&call.args, number).clone(),
             None => self.slots[usize::from(slot.0)].clone(),
         };
         Some(picked(flow, Entry::Select(call.select), value))
     }
 
     fn enter_system(&mut self, flow: &Flow, call: &SystemCall) -> Option<AbstractState> {
-        let args = self.machine.run(&call.args, &mut self.slots)?;
-        let slots = self.fill(call.system, &call.given, args)?;
+        if !self.machine.run(flow, &call.args, &mut self.slots) {
+            return None;
+        }
+        let args = (0..call.given.len()).map(|it| self.machine.result(&call.args, it).clone()).collect();
+        let slots = self.fill(flow, call.system, &call.given, args)?;
         Some(picked(flow, Entry::System(call.system), |slot| slots[usize::from(slot.0)].clone()))
     }
 
     /// The slots of a system as it starts: formals, `let`s and state.
-    fn fill(&mut self, system: SystemId, given: &[Slot], args: Results) -> Option<Vec<Abstract>> {
-        let system = self.graph.system(system);
+    fn fill(
+        &mut self,
+        flow: &Flow,
+        system: SystemId,
+        given: &[Slot],
+        args: SmallVec<[Abstract; 4]>,
+    ) -> Option<Vec<Abstract>> {
+        let system = flow.graph.system(system);
         let mut slots = vec![Abstract::Exact(Value::Number(0.0)); system.slots.len()];
         for (slot, value) in given.iter().zip(args) {
             slots[usize::from(slot.0)] = value;
         }
         for formal in &system.formals {
             if let (false, Some(default)) = (given.contains(&formal.slot), &formal.default) {
-                let value = self.machine.run(default, &mut slots)?.into_iter().next()?;
-                slots[usize::from(formal.slot.0)] = value;
+                if !self.machine.run(flow, default, &mut slots) {
+                    return None;
+                }
+                slots[usize::from(formal.slot.0)] = self.machine.result(default, 0).clone();
             }
             if self.formals == Formals::Free {
-                let free = self.free(formal, &mut slots);
+                let free = self.free(flow, formal, &mut slots);
                 slots[usize::from(formal.slot.0)] = free;
             }
         }
-        self.machine.run(&system.lets, &mut slots)?;
-        self.machine.run(&system.vars, &mut slots)?;
-        Some(slots)
+        let fills = self.machine.run(flow, &system.lets, &mut slots) && self.machine.run(flow, &system.vars, &mut slots);
+        fills.then_some(slots)
     }
 
     /// Anything that a formal may be.
-    fn free(&mut self, formal: &Formal, slots: &mut Vec<Abstract>) -> Abstract {
+    fn free(&mut self, flow: &Flow, formal: &Formal, slots: &mut Vec<Abstract>) -> Abstract {
         let Some(check) = &formal.check else { return Abstract::Any };
         let ends = check.ops.iter().find_map(|it| match it {
             Op::Check { low, high, .. } => Some((*low, *high)),
@@ -400,7 +417,7 @@ impl<'g> Walker<'g> {
         });
         let Some((low, high)) = ends else { return Abstract::Any };
         let code = Code { results: vec![low, high], ..check.clone() };
-        let ranges = self.machine.ranges(&code, slots);
+        let ranges = self.machine.ranges(flow, &code, slots);
         match ranges.as_deref() {
             Some([low, high]) => Range::new(low.low(), high.high()).map_or(Abstract::Any, Abstract::number),
             _ => Abstract::Any,

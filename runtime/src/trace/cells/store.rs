@@ -32,7 +32,7 @@ const MOST_BENCH: usize = 16 << 20;
 #[derive(Debug)]
 pub(super) struct Store<'s> {
     pub(super) expander: Expander<'s>,
-    pub(super) survey: Survey<'s>,
+    pub(super) survey: Survey,
     pub(super) limits: Limits,
     /// Workshops that nobody is in.
     pub(super) benches: Mutex<Vec<Box<Bench<'s>>>>,

@@ -28,7 +28,7 @@ const SMALL_STATES: u64 = 32;
 #[derive(Debug)]
 pub(super) struct Bench<'s> {
     machine: Machine<'s>,
-    scout: Scout<'s>,
+    scout: Scout,
     numbers: HashMap<Arc<State>, u32, BuildQuickHash>,
     known: Vec<Known>,
     /// About how many bytes all that takes.
@@ -47,7 +47,7 @@ impl<'s> Bench<'s> {
     pub(super) fn new(store: &Store<'s>) -> Self {
         Self {
             machine: store.expander.machine(),
-            scout: store.survey.scout(),
+            scout: Scout::default(),
             numbers: HashMap::default(),
             known: Vec::new(),
             bytes: 0,

@@ -26,7 +26,7 @@ use crate::trace::{Expander, State};
 /// Bytes that a workshop may keep whatever the budget.
 const LEAST_BENCH: usize = 256 << 10;
 /// Bytes from which on a workshop gains nothing.
-const MOST_BENCH: usize = 16 << 20;
+const MOST_BENCH: usize = 64 << 20;
 
 /// All that threads share.
 #[derive(Debug)]

@@ -124,7 +124,8 @@ impl Workshop<'_, '_> {
             }
             let before = reach.open.len();
             let pieces = self.pieces(next.state)?;
-            reach.add(self, &pieces, next.direction, next.offset)?;
+            let whole = self.is_small(next.state)?;
+            reach.add(self, &pieces, whole, next.direction, next.offset)?;
             reach.open[before..].sort_by(|a, b| a.most.total_cmp(&b.most));
         }
         Ok(reach.best + reach.slack)
@@ -136,13 +137,26 @@ impl Reach {
         Self { best: f64::NEG_INFINITY, open: Vec::new(), nested, slack }
     }
 
-    fn add(&mut self, shop: &mut Workshop, pieces: &[Piece], direction: DVec3, offset: f64) -> Result<(), Fault> {
+    /// Adds pieces. Of those that are taken as a whole, all that is in their states is added at once: of few primitives
+    /// no bounds are worth finding.
+    fn add(
+        &mut self,
+        shop: &mut Workshop,
+        pieces: &[Piece],
+        whole: bool,
+        direction: DVec3,
+        offset: f64,
+    ) -> Result<(), Fault> {
         for piece in pieces {
             let map = &piece.outer_from_inner;
             let inner = map.matrix3.transpose() * direction;
             let offset = offset + map.translation.dot(direction);
             match &piece.shape {
                 Shape::Leaf(primitive, _) => self.best = self.best.max(offset + primitive.support(inner)),
+                Shape::Instance(state, _) if whole => {
+                    let pieces = shop.pieces(*state)?;
+                    self.add(shop, &pieces, whole, inner, offset)?;
+                }
                 Shape::Instance(state, _) => self.meet(shop, *state, inner, offset)?,
                 Shape::Intersect(operands) => {
                     let mut least = f64::INFINITY;
@@ -173,6 +187,6 @@ impl Reach {
         if self.nested >= MOST_NESTED {
             return Ok(shop.loose_of_all(pieces)?.support(direction));
         }
-        shop.search(Reach::new(self.nested + 1, self.slack), |reach, shop| reach.add(shop, pieces, direction, 0.0))
+        shop.search(Reach::new(self.nested + 1, self.slack), |reach, shop| reach.add(shop, pieces, false, direction, 0.0))
     }
 }

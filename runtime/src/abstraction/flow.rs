@@ -6,15 +6,13 @@
 //!
 //! What only feeds `rand`, or is only looked at by a formal's range, flows nowhere here.
 
-use smallvec::SmallVec;
-
 use super::entries::Entries;
 use super::needs::{Analysis, Sinks, has};
 use super::slim::slim;
 use super::step::Step;
-use crate::form::{Code, Graph, Node, NodeId, Op, PrimitiveKind, Reg, Scene, Slot, Value};
+use crate::form::{Graph, Node, NodeId, Scene, Slot};
 use crate::geometry::Primitive;
-use crate::trace::Entry;
+use crate::trace::{Entry, constants};
 
 /// What of an entry's environment matters to an abstract state.
 #[derive(Clone, Debug, Default)]
@@ -93,23 +91,7 @@ impl Flow {
 fn fixed(node: &Node) -> Fixed {
     match node {
         Node::Transform { kind, code, .. } => constants(code).map_or(Fixed::No, |it| Fixed::Step(Step::known(*kind, &it))),
-        Node::Primitive { kind, code, .. } => constants(code).map_or(Fixed::No, |it| Fixed::Primitive(solid(*kind, &it))),
+        Node::Primitive { kind, code, .. } => constants(code).map_or(Fixed::No, |it| Fixed::Primitive(Primitive::new(*kind, &it))),
         _ => Fixed::No,
     }
-}
-
-fn solid(kind: PrimitiveKind, numbers: &[f64]) -> Option<Primitive> {
-    Primitive::new(kind, numbers)
-}
-
-/// The numbers that a code gives, if it holds nothing else.
-pub(crate) fn constants(code: &Code) -> Option<SmallVec<[f64; 12]>> {
-    let number = |reg: &Reg| {
-        code.ops.iter().rev().find_map(|it| match it {
-            Op::Constant(to, Value::Number(number)) if to == reg => Some(*number),
-            _ => None,
-        })
-    };
-    let only_numbers = code.ops.iter().all(|it| matches!(it, Op::Constant(_, Value::Number(_))));
-    if only_numbers { code.results.iter().map(number).collect() } else { None }
 }

@@ -17,8 +17,8 @@ const MOST_CHOICES: usize = 256;
 const SIGMAS: f64 = 3.0;
 
 /// The values, if all are known.
-fn exact(values: &[&Abstract]) -> Option<SmallVec<[Value; 4]>> {
-    values.iter().map(|it| it.exact().cloned()).collect()
+fn exact<'v>(values: &[&'v Abstract]) -> Option<SmallVec<[&'v Value; 4]>> {
+    values.iter().map(|it| it.exact()).collect()
 }
 
 /// The truth of a value: `Some(None)` if it may be either.

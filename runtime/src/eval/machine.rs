@@ -62,10 +62,20 @@ impl<'g> Machine<'g> {
     /// # Errors
     /// A fault, with the operation it happened at.
     pub fn run(&mut self, code: &Code, env: &mut Env) -> Result<Results, Fault> {
+        self.evaluate(code, env)?;
+        Ok(code.results.iter().map(|it| self.get(0, *it).clone()).collect())
+    }
+
+    /// The same; the results stay where they are.
+    pub(crate) fn evaluate(&mut self, code: &Code, env: &mut Env) -> Result<(), Fault> {
         self.operations = 0;
         self.registers.clear();
-        self.execute(code, env, Frame { base: 0, args: 0, depth: 0, site: 0 })?;
-        Ok(code.results.iter().map(|it| self.get(0, *it).clone()).collect())
+        self.execute(code, env, Frame { base: 0, args: 0, depth: 0, site: 0 })
+    }
+
+    /// A result of the code that was evaluated last.
+    pub(crate) fn result(&self, code: &Code, number: usize) -> Option<&Value> {
+        code.results.get(number).map(|it| self.get(0, *it))
     }
 
     /// A number in [0, 1) for the draw at `place` in an environment.
@@ -183,12 +193,12 @@ impl<'g> Machine<'g> {
         Ok(())
     }
 
-    fn all(&self, base: usize, regs: &[Reg]) -> Results {
-        regs.iter().map(|it| self.get(base, *it).clone()).collect()
+    fn all(&self, base: usize, regs: &[Reg]) -> SmallVec<[&Value; 4]> {
+        regs.iter().map(|it| self.get(base, *it)).collect()
     }
 
     fn list(&mut self, base: usize, parts: &[Reg]) -> Result<Value, Failure> {
-        let values = self.all(base, parts);
+        let values: Results = parts.iter().map(|it| self.get(base, *it).clone()).collect();
         let most = self.limits.list as usize;
         let Some(left) = left_of(most, &values) else {
             return Err(Failure(FaultKind::Limit { limit: Limit::List, most: most as u64 }));

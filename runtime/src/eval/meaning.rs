@@ -33,25 +33,22 @@ impl Env {
 impl Machine<'_> {
     /// All results of a code, which are numbers.
     pub(crate) fn numbers(&mut self, code: &Code, env: &mut Env, operation: &'static str) -> Result<Numbers, Fault> {
-        let results = self.run(code, env)?;
-        let origin = code.origins.last().copied().unwrap_or(Origin::NONE);
-        results
-            .iter()
-            .map(|it| operation::number(it, operation))
-            .collect::<Result<_, Failure>>()
-            .map_err(|it| it.at(origin))
+        self.evaluate(code, env)?;
+        let results = (0..code.results.len()).filter_map(|it| self.result(code, it));
+        let numbers: Result<_, Failure> = results.map(|it| operation::number(it, operation)).collect();
+        numbers.map_err(|it| it.at(code.origins.last().copied().unwrap_or(Origin::NONE)))
     }
 
     /// The truth of a code's one result.
     pub(crate) fn truth(&mut self, code: &Code, env: &mut Env) -> Result<bool, Fault> {
-        let results = self.run(code, env)?;
-        let origin = code.origins.last().copied().unwrap_or(Origin::NONE);
-        results.first().map_or(Ok(false), |it| operation::truth(it).map_err(|it| it.at(origin)))
+        self.evaluate(code, env)?;
+        let truth = self.result(code, 0).map_or(Ok(false), operation::truth);
+        truth.map_err(|it| it.at(code.origins.last().copied().unwrap_or(Origin::NONE)))
     }
 
     /// Goes below a C-node.
     pub(crate) fn calculate(&mut self, code: &Code, env: &mut Env) -> Result<(), Fault> {
-        self.run(code, env).map(|_| ())
+        self.evaluate(code, env)
     }
 
     /// A whole number that is at least `least` and at most `most`.

@@ -18,38 +18,44 @@ impl Failure {
         Fault::new(self.0, origin)
     }
 
-    fn types(operation: &'static str, operands: &[Value]) -> Self {
-        Self(FaultKind::Type { operation, operands: operands.to_vec() })
+    #[cold]
+    fn types(operation: &'static str, operands: &[&Value]) -> Self {
+        Self(FaultKind::Type { operation, operands: cloned(operands) })
     }
 }
 
 /// `value`, unless it is no number, or infinite though nothing infinite went in.
-fn sound(value: f64, operation: &'static str, operands: &[Value]) -> Result<f64, Failure> {
-    let infinite_operand = || {
-        operands.iter().any(|it| match it {
-            Value::Number(it) => it.is_infinite(),
-            Value::Vector(it) => it.parts().iter().any(|it| it.is_infinite()),
-            Value::Bool(_) | Value::List(_) | Value::Text(_) | Value::Case { .. } => false,
-        })
-    };
-    if value.is_finite() || (value.is_infinite() && infinite_operand()) {
+fn sound(value: f64, operation: &'static str, operands: &[&Value]) -> Result<f64, Failure> {
+    if value.is_finite() {
         return Ok(value);
     }
-    Err(Failure(FaultKind::NotANumber { operation, operands: operands.to_vec() }))
+    let is_infinite = |it: &&Value| match it {
+        Value::Number(it) => it.is_infinite(),
+        Value::Vector(it) => it.parts().iter().any(|it| it.is_infinite()),
+        Value::Bool(_) | Value::List(_) | Value::Text(_) | Value::Case { .. } => false,
+    };
+    if value.is_infinite() && operands.iter().any(is_infinite) {
+        return Ok(value);
+    }
+    Err(Failure(FaultKind::NotANumber { operation, operands: cloned(operands) }))
 }
 
-fn sound_vector(value: Vector, operation: &'static str, operands: &[Value]) -> Result<Value, Failure> {
+fn sound_vector(value: Vector, operation: &'static str, operands: &[&Value]) -> Result<Value, Failure> {
     for part in value.parts() {
         sound(*part, operation, operands)?;
     }
     Ok(Value::Vector(value))
 }
 
+fn cloned(values: &[&Value]) -> Vec<Value> {
+    values.iter().copied().cloned().collect()
+}
+
 /// The truth of a value.
 pub(crate) fn truth(value: &Value) -> Result<bool, Failure> {
     match value {
         Value::Bool(truth) => Ok(*truth),
-        _ => Err(Failure::types("if", std::slice::from_ref(value))),
+        _ => Err(Failure::types("if", &[value])),
     }
 }
 
@@ -57,7 +63,7 @@ pub(crate) fn truth(value: &Value) -> Result<bool, Failure> {
 pub(crate) fn number(value: &Value, operation: &'static str) -> Result<f64, Failure> {
     match value {
         Value::Number(number) => Ok(*number),
-        _ => Err(Failure::types(operation, std::slice::from_ref(value))),
+        _ => Err(Failure::types(operation, &[value])),
     }
 }
 
@@ -67,8 +73,8 @@ pub(crate) fn unary(op: UnaryOp, a: &Value) -> Result<Value, Failure> {
         (UnaryOp::Negate, Value::Number(a)) => Ok(Value::Number(-a)),
         (UnaryOp::Negate, Value::Vector(a)) => Ok(Value::Vector(a.map(|it| -it))),
         (UnaryOp::Not, Value::Bool(a)) => Ok(Value::Bool(!a)),
-        (UnaryOp::Negate, _) => Err(Failure::types("-", std::slice::from_ref(a))),
-        (UnaryOp::Not, _) => Err(Failure::types("not", std::slice::from_ref(a))),
+        (UnaryOp::Negate, _) => Err(Failure::types("-", &[a])),
+        (UnaryOp::Not, _) => Err(Failure::types("not", &[a])),
     }
 }
 
@@ -100,30 +106,29 @@ fn equal(a: &Value, b: &Value) -> Result<bool, Failure> {
     if std::mem::discriminant(a) == std::mem::discriminant(b) {
         return Ok(a == b);
     }
-    Err(Failure::types("==", &[a.clone(), b.clone()]))
+    Err(Failure::types("==", &[a, b]))
 }
 
 fn compare(name: &'static str, a: &Value, b: &Value, holds: impl Fn(f64, f64) -> bool) -> Result<Value, Failure> {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => Ok(Value::Bool(holds(*a, *b))),
-        _ => Err(Failure::types(name, &[a.clone(), b.clone()])),
+        _ => Err(Failure::types(name, &[a, b])),
     }
 }
 
 fn numbers(name: &'static str, a: &Value, b: &Value, f: impl Fn(f64, f64) -> f64) -> Result<Value, Failure> {
     match (a, b) {
-        (Value::Number(x), Value::Number(y)) => sound(f(*x, *y), name, &[a.clone(), b.clone()]).map(Value::Number),
-        _ => Err(Failure::types(name, &[a.clone(), b.clone()])),
+        (Value::Number(x), Value::Number(y)) => sound(f(*x, *y), name, &[a, b]).map(Value::Number),
+        _ => Err(Failure::types(name, &[a, b])),
     }
 }
 
 /// An operator on two numbers, or on two vectors part by part.
 fn both(name: &'static str, a: &Value, b: &Value, f: impl Fn(f64, f64) -> f64) -> Result<Value, Failure> {
-    let operands = || [a.clone(), b.clone()];
     match (a, b) {
         (Value::Vector(x), Value::Vector(y)) => {
-            let sum = x.zip(*y, f).ok_or_else(|| Failure::types(name, &operands()))?;
-            sound_vector(sum, name, &operands())
+            let sum = x.zip(*y, f).ok_or_else(|| Failure::types(name, &[a, b]))?;
+            sound_vector(sum, name, &[a, b])
         }
         _ => numbers(name, a, b, f),
     }
@@ -132,7 +137,7 @@ fn both(name: &'static str, a: &Value, b: &Value, f: impl Fn(f64, f64) -> f64) -
 fn multiply(a: &Value, b: &Value) -> Result<Value, Failure> {
     match (a, b) {
         (Value::Vector(vector), Value::Number(factor)) | (Value::Number(factor), Value::Vector(vector)) => {
-            sound_vector(vector.map(|it| it * factor), "*", &[a.clone(), b.clone()])
+            sound_vector(vector.map(|it| it * factor), "*", &[a, b])
         }
         _ => numbers("*", a, b, |a, b| a * b),
     }
@@ -142,17 +147,17 @@ fn divide(a: &Value, b: &Value) -> Result<Value, Failure> {
     match (a, b) {
         // 1 / 0 is infinite and so caught; inf / 0 must be too.
         (Value::Number(_) | Value::Vector(_), Value::Number(0.0)) => {
-            Err(Failure(FaultKind::NotANumber { operation: "/", operands: vec![a.clone(), b.clone()] }))
+            Err(Failure(FaultKind::NotANumber { operation: "/", operands: cloned(&[a, b]) }))
         }
         (Value::Vector(vector), Value::Number(divisor)) => {
-            sound_vector(vector.map(|it| it / divisor), "/", &[a.clone(), b.clone()])
+            sound_vector(vector.map(|it| it / divisor), "/", &[a, b])
         }
         _ => numbers("/", a, b, |a, b| a / b),
     }
 }
 
 /// `(a, b, ...)`
-pub(crate) fn vector(parts: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn vector(parts: &[&Value]) -> Result<Value, Failure> {
     let numbers: Option<Vec<f64>> =
         parts.iter().map(|it| if let Value::Number(it) = it { Some(*it) } else { None }).collect();
     numbers.and_then(|it| Vector::new(&it)).map(Value::Vector).ok_or_else(|| Failure::types("( , )", parts))
@@ -161,7 +166,7 @@ pub(crate) fn vector(parts: &[Value]) -> Result<Value, Failure> {
 /// `list[index]`
 pub(crate) fn index(list: &Value, index: &Value) -> Result<Value, Failure> {
     let (Value::List(values), Value::Number(number)) = (list, index) else {
-        return Err(Failure::types("[ ]", &[list.clone(), index.clone()]));
+        return Err(Failure::types("[ ]", &[list, index]));
     };
     let place = (number.fract() == 0.0 && *number >= 0.0).then_some(*number as usize);
     place
@@ -176,7 +181,7 @@ pub(crate) fn part(vector: &Value, number: u8) -> Result<Value, Failure> {
         Value::Vector(it) => it.parts().get(usize::from(number)).map(|it| Value::Number(*it)),
         _ => None,
     }
-    .ok_or_else(|| Failure::types(".", std::slice::from_ref(vector)))
+    .ok_or_else(|| Failure::types(".", &[vector]))
 }
 
 /// A formal's or `param`'s range.
@@ -189,7 +194,7 @@ pub(crate) fn check(value: &Value, low: &Value, high: &Value, name: &Arc<str>) -
 }
 
 /// What a draw gives for a uniform number in [0, 1).
-pub(crate) fn distribute(draw: Draw, uniform: f64, args: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn distribute(draw: Draw, uniform: f64, args: &[&Value]) -> Result<Value, Failure> {
     match (draw, args) {
         (Draw::Uniform, [Value::Number(low), Value::Number(high)]) => {
             sound(low + (high - low) * uniform, "random", args).map(Value::Number)
@@ -205,7 +210,7 @@ pub(crate) fn distribute(draw: Draw, uniform: f64, args: &[Value]) -> Result<Val
 }
 
 /// `noise(p)` of a number or a vector of up to three parts.
-pub(crate) fn noise(seed: u64, args: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn noise(seed: u64, args: &[&Value]) -> Result<Value, Failure> {
     let point = match args {
         [Value::Number(x)] => [*x, 0.0, 0.0],
         [Value::Vector(it)] => match it.parts() {
@@ -219,7 +224,7 @@ pub(crate) fn noise(seed: u64, args: &[Value]) -> Result<Value, Failure> {
 }
 
 /// The built-in functions that need nothing but their arguments.
-pub(crate) fn builtin(builtin: Builtin, args: &[Value]) -> Result<Value, Failure> {
+pub(crate) fn builtin(builtin: Builtin, args: &[&Value]) -> Result<Value, Failure> {
     let name = builtin.name();
     let plain = |value: f64| sound(value, name, args).map(Value::Number);
     match (builtin, args) {
@@ -265,7 +270,7 @@ pub(crate) fn builtin(builtin: Builtin, args: &[Value]) -> Result<Value, Failure
         (Builtin::Unit, [Value::Vector(a)]) => {
             let length = sound(norm(a), name, args)?;
             if length == 0.0 {
-                return Err(Failure(FaultKind::NotANumber { operation: name, operands: args.to_vec() }));
+                return Err(Failure(FaultKind::NotANumber { operation: name, operands: cloned(args) }));
             }
             sound_vector(a.map(|it| it / length), name, args)
         }
@@ -278,7 +283,7 @@ fn norm(vector: &Vector) -> f64 {
     vector.parts().iter().map(|it| it * it).sum::<f64>().sqrt()
 }
 
-fn fold(name: &'static str, args: &[Value], choose: impl Fn(f64, f64) -> f64) -> Result<Value, Failure> {
+fn fold(name: &'static str, args: &[&Value], choose: impl Fn(f64, f64) -> f64) -> Result<Value, Failure> {
     let mut result = None;
     for arg in args {
         let Value::Number(x) = arg else { return Err(Failure::types(name, args)) };

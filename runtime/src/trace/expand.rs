@@ -5,12 +5,16 @@
 //! of the state.
 
 use glam::DAffine3;
+use smallvec::SmallVec;
 
 use super::Route;
 use super::liveness::{Live, Liveness};
-use crate::eval::{Env, Machine, Path, trail_step};
-use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, Slot, SystemId, Value};
+use super::walk::{CHOICE, Here, Walk};
+use crate::eval::{Env, Machine, Path, matrix, trail_step};
+use crate::fault::{Fault, TrailStep};
+use crate::form::{
+    Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, SystemId, Value,
+};
 use crate::geometry::Primitive;
 use crate::limits::Limits;
 
@@ -80,19 +84,38 @@ pub enum Solid {
     Difference(Box<Group>, Vec<Group>),
 }
 
+/// What a node is if it is the same everywhere.
+#[derive(Clone, Debug)]
+pub(super) enum Fixed {
+    /// It is not, or fails.
+    No,
+    /// The matrix of a T-node.
+    Matrix(DAffine3),
+    /// A primitive.
+    Primitive(Primitive),
+}
+
 /// Expands the states of a scene.
 #[derive(Debug)]
 pub struct Expander<'s> {
-    graph: &'s Graph,
+    pub(super) graph: &'s Graph,
+    pub(super) limits: Limits,
     liveness: Liveness,
+    fixed: Vec<Fixed>,
     seed: u64,
-    limits: Limits,
 }
 
 impl<'s> Expander<'s> {
     /// An expander for a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { graph: &scene.graph, liveness: Liveness::of(&scene.graph), seed: scene.seed, limits: *limits }
+        let graph = &scene.graph;
+        Self {
+            graph,
+            limits: *limits,
+            liveness: Liveness::of(graph),
+            fixed: graph.nodes().iter().map(fixed).collect(),
+            seed: scene.seed,
+        }
     }
 
     /// The state of the whole scene.
@@ -114,19 +137,17 @@ impl<'s> Expander<'s> {
 
     /// The same on a machine that is there already.
     pub(super) fn expand_with(&self, machine: &mut Machine<'s>, state: &State) -> Result<Group, Fault> {
-        let (left, copies) = (self.limits.items, self.limits.repeat);
-        let mut walk = Walk { expander: self, machine, left, copies };
         let mut env = self.env(state);
         let mut group = Group::default();
         let (body, route) = match state.entry {
             Entry::System(id) => (self.graph.system(id).start, Route::START),
             Entry::Select(id) => {
                 let select = self.graph.select(id);
-                let chosen = walk.machine.choose(self.graph, select, &mut env)?;
+                let chosen = machine.choose(self.graph, select, &mut env)?;
                 (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
             }
         };
-        walk.add(&mut group, body, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        Walk::new(self, machine, env).add(&mut group, body, Here::at(route))?;
         Ok(group)
     }
 
@@ -143,12 +164,13 @@ impl<'s> Expander<'s> {
         Machine::new(self.graph.functions(), self.seed, &self.limits)
     }
 
-    /// The slots that states of an entry have the values of.
-    pub(super) fn live_slots(&self, entry: Entry) -> &[Slot] {
-        &self.live(entry).slots
+    /// What a node is if it is the same everywhere.
+    pub(super) fn fixed(&self, node: NodeId) -> &Fixed {
+        &self.fixed[node.0 as usize]
     }
 
-    fn live(&self, entry: Entry) -> &Live {
+    /// What states of an entry know.
+    pub(super) fn live(&self, entry: Entry) -> &Live {
         match entry {
             Entry::Select(id) => self.liveness.select(id),
             Entry::System(id) => self.liveness.system(id),
@@ -156,7 +178,7 @@ impl<'s> Expander<'s> {
     }
 
     /// The state of an environment at an entry: what is not live is forgotten.
-    fn state(&self, entry: Entry, env: &Env) -> State {
+    pub(super) fn state(&self, entry: Entry, env: &Env) -> State {
         let live = self.live(entry);
         let slots = live.slots.iter().map(|it| env.slots[usize::from(it.0)].clone()).collect();
         State { entry, slots, path: live.path.then_some(env.path) }
@@ -176,136 +198,27 @@ impl<'s> Expander<'s> {
     }
 }
 
-// What tells the kinds of steps of a route apart.
-pub(super) const CHOICE: u64 = 0x1000_0000_0000_0000;
-pub(super) const COPY: u64 = 0x2000_0000_0000_0000;
-pub(super) const OPERAND: u64 = 0x3000_0000_0000_0000;
-
-/// Where a walk through the nodes of a state is.
-#[derive(Clone)]
-struct Here {
-    group_from_here: DAffine3,
-    material: Option<MaterialId>,
-    route: Route,
-    env: Env,
-}
-
-/// A walk through the nodes of one state.
-struct Walk<'e, 's> {
-    expander: &'e Expander<'s>,
-    machine: &'e mut Machine<'s>,
-    /// How many more parts it may find.
-    left: u32,
-    /// How many more copies it may look into, even if there is nothing in them.
-    copies: u32,
-}
-
-impl Walk<'_, '_> {
-    /// Adds what a node stands for to a group.
-    ///
-    /// It goes down chains in a loop, since they may be long, and calls itself for operands, whose nesting the grammar limits.
-    fn add(&mut self, group: &mut Group, node: NodeId, mut here: Here) -> Result<(), Fault> {
-        let graph = self.expander.graph;
-        let mut node = node;
-        loop {
-            match graph.node(node) {
-                Node::Empty => return Ok(()),
-                Node::Primitive { kind, code, origin } => {
-                    let values = self.machine.primitive(*kind, code, &mut here.env)?;
-                    let primitive = Primitive::new(*kind, &values).ok_or_else(|| {
-                        Fault::new(FaultKind::Primitive { kind: *kind, values: values.to_vec() }, *origin)
-                    })?;
-                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin }, *origin);
-                }
-                Node::Transform { kind, code, body, origin } => {
-                    let above_from_below = self.machine.transform(*kind, code, &mut here.env, *origin)?;
-                    here.group_from_here *= above_from_below;
-                    node = *body;
-                }
-                Node::Calc { code, body, .. } => {
-                    self.machine.calculate(code, &mut here.env)?;
-                    node = *body;
-                }
-                Node::Paint { material, body } => {
-                    here.material = Some(*material);
-                    node = *body;
-                }
-                Node::Variant { count, body, origin } => {
-                    let count = self.machine.whole(count, &mut here.env, "variant", 1, *origin)?;
-                    here.env.fold(count);
-                    node = *body;
-                }
-                Node::Choice { condition, then, otherwise } => {
-                    node = if self.machine.truth(condition, &mut here.env)? { *then } else { *otherwise };
-                }
-                Node::Repeat { count, index, body, origin } => {
-                    let count = self.machine.whole(count, &mut here.env, "repeat", 0, *origin)?;
-                    self.copies = self.copies.checked_sub(count).ok_or_else(|| {
-                        let most = u64::from(self.expander.limits.repeat);
-                        Fault::new(FaultKind::Limit { limit: Limit::Repeat, most }, *origin)
-                    })?;
-                    for number in 0..count {
-                        let mut copy = here.clone();
-                        copy.env.turn(*index, number);
-                        copy.route = copy.route.then(Route::step(COPY ^ u64::from(number)));
-                        self.add(group, *body, copy)?;
-                    }
-                    return Ok(());
-                }
-                Node::Union(operands) => {
-                    for (number, operand) in operands.iter().enumerate() {
-                        let mut copy = here.clone();
-                        copy.route = copy.route.then(Route::step(OPERAND ^ number as u64));
-                        self.add(group, *operand, copy)?;
-                    }
-                    return Ok(());
-                }
-                Node::Intersect(operands) => {
-                    let operands = self.operands(operands, &here)?;
-                    return self.put(group, &here, Solid::Intersect(operands), Origin::NONE);
-                }
-                Node::Difference(first, others) => {
-                    let first = self.operand(*first, &here)?;
-                    let others = self.operands(others, &here)?;
-                    return self.put(group, &here, Solid::Difference(Box::new(first), others), Origin::NONE);
-                }
-                Node::Call(call) => {
-                    let env = self.machine.enter(graph, call, &mut here.env)?;
-                    here.route = here.route.then(Route::step(call.place));
-                    let state = self.expander.state(Entry::Select(call.select), &env);
-                    return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
-                }
-                Node::System(call) => {
-                    let env = self.machine.enter_system(graph, call, &mut here.env)?;
-                    here.route = here.route.then(Route::step(call.place));
-                    let state = self.expander.state(Entry::System(call.system), &env);
-                    return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
-                }
-            }
+fn fixed(node: &Node) -> Fixed {
+    match node {
+        Node::Transform { kind, code, .. } => {
+            let map = constants(code).and_then(|it| matrix(*kind, &it));
+            map.filter(|it| it.is_finite() && it.inverse().is_finite()).map_or(Fixed::No, Fixed::Matrix)
         }
+        Node::Primitive { kind, code, .. } => {
+            constants(code).and_then(|it| Primitive::new(*kind, &it)).map_or(Fixed::No, Fixed::Primitive)
+        }
+        _ => Fixed::No,
     }
+}
 
-    fn operands(&mut self, operands: &[NodeId], here: &Here) -> Result<Vec<Group>, Fault> {
-        operands.iter().map(|it| self.operand(*it, here)).collect()
-    }
-
-    /// An operand of a Boolean, as a group in the frame of the Boolean itself.
-    fn operand(&mut self, operand: NodeId, here: &Here) -> Result<Group, Fault> {
-        let mut group = Group::default();
-        let inner =
-            Here { group_from_here: DAffine3::IDENTITY, material: None, route: Route::START, env: here.env.clone() };
-        self.add(&mut group, operand, inner)?;
-        Ok(group)
-    }
-
-    fn put(&mut self, group: &mut Group, here: &Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
-        let most = self.expander.limits.items;
-        self.left = self
-            .left
-            .checked_sub(1)
-            .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
-        let Here { group_from_here: group_from_item, material, route, .. } = *here;
-        group.items.push(Item { group_from_item, material, route, solid });
-        Ok(())
-    }
+/// The numbers that a code gives, if it does nothing else.
+pub(crate) fn constants(code: &Code) -> Option<SmallVec<[f64; 12]>> {
+    let number = |reg: &Reg| {
+        code.ops.iter().rev().find_map(|it| match it {
+            Op::Constant(to, Value::Number(number)) if to == reg => Some(*number),
+            _ => None,
+        })
+    };
+    let only_numbers = code.ops.iter().all(|it| matches!(it, Op::Constant(_, Value::Number(_))));
+    if only_numbers { code.results.iter().map(number).collect() } else { None }
 }

@@ -8,7 +8,9 @@ mod expand;
 mod liveness;
 pub mod reference;
 mod route;
+mod walk;
 
+pub(crate) use expand::constants;
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
 pub use route::Route;
 

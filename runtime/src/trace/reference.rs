@@ -9,7 +9,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
-use super::{Fragment, RayFault, Route, Sample, Site, SurfaceRay, Tracer, expand};
+use super::{Fragment, RayFault, Route, Sample, Site, SurfaceRay, Tracer, walk};
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
@@ -251,7 +251,7 @@ impl Walk<'_, '_> {
                     for number in 0..count {
                         let mut copy = here.operand(number as usize);
                         copy.env.turn(*index, number);
-                        copy.step(expand::COPY ^ u64::from(number));
+                        copy.step(walk::COPY ^ u64::from(number));
                         lines.push(self.pass(*body, copy)?);
                     }
                     return Ok(union(lines));
@@ -260,7 +260,7 @@ impl Walk<'_, '_> {
                     let mut lines = Vec::new();
                     for (number, operand) in operands.iter().enumerate() {
                         let mut copy = here.operand(number);
-                        copy.step(expand::OPERAND ^ number as u64);
+                        copy.step(walk::OPERAND ^ number as u64);
                         lines.push(self.pass(*operand, copy)?);
                     }
                     return Ok(union(lines));
@@ -304,7 +304,7 @@ impl Walk<'_, '_> {
 
     fn select(&mut self, select: &Select, mut here: Here) -> Result<Line, Fault> {
         let chosen = self.machine.choose(self.graph, select, &mut here.env)?;
-        here.step(expand::CHOICE ^ chosen as u64);
+        here.step(walk::CHOICE ^ chosen as u64);
         self.pass(select.rules[chosen].body, here)
     }
 

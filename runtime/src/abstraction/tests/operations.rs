@@ -136,7 +136,7 @@ const DRAWS: [Draw; 3] = [Draw::Uniform, Draw::Gauss, Draw::Chance];
 
 fn builtin(name: Builtin, args: &[(Value, Abstract)]) -> Result<(), TestCaseError> {
     let (values, known): (Vec<Value>, Vec<Abstract>) = args.iter().cloned().unzip();
-    holds(concrete::builtin(name, &values).ok(), operation::builtin(name, &all(&known)), &format!("{name:?} {args:?}"))
+    holds(concrete::builtin(name, &values.iter().collect::<Vec<_>>()).ok(), operation::builtin(name, &all(&known)), &format!("{name:?} {args:?}"))
 }
 
 proptest! {
@@ -178,7 +178,7 @@ proptest! {
             holds(concrete::part(&a.0, number).ok(), operation::part(&a.1, number), &format!("part {number} of {a:?}"))?;
         }
         for (values, known) in [(vec![a.0.clone()], vec![a.1.clone()])] {
-            holds(concrete::noise(7, &values).ok(), operation::noise(7, &all(&known)), &format!("noise of {a:?}"))?;
+            holds(concrete::noise(7, &values.iter().collect::<Vec<_>>()).ok(), operation::noise(7, &all(&known)), &format!("noise of {a:?}"))?;
         }
     }
 
@@ -187,7 +187,7 @@ proptest! {
         holds(concrete::index(&list.0, &at.0).ok(), operation::index(&list.1, &at.1), &format!("{list:?} [{at:?}]"))?;
         holds(concrete::index(&other.0, &at.0).ok(), operation::index(&other.1, &at.1), &format!("{other:?} [{at:?}]"))?;
         let (values, known) = ([at.0.clone(), other.0.clone()], [at.1.clone(), other.1.clone()]);
-        holds(concrete::vector(&values).ok(), operation::vector(&all(&known)), &format!("vector of {values:?}"))?;
+        holds(concrete::vector(&values.iter().collect::<Vec<_>>()).ok(), operation::vector(&all(&known)), &format!("vector of {values:?}"))?;
         holds(Some(Value::List(values.to_vec().into())), Some(Abstract::list(&all(&known))), "a list")?;
     }
 
@@ -196,7 +196,7 @@ proptest! {
         for draw in DRAWS {
             let values = [a.0.clone(), b.0.clone()];
             let count = if draw == Draw::Chance { 1 } else { 2 };
-            let result = concrete::distribute(draw, uniform, &values[..count]).ok();
+            let result = concrete::distribute(draw, uniform, &values[..count].iter().collect::<Vec<_>>()).ok();
             holds(result, operation::draw(draw, &[&a.1, &b.1]), &format!("{draw:?} {values:?} {uniform}"))?;
         }
     }

@@ -158,15 +158,23 @@ pub(super) struct Frame {
 
 impl Frame {
     /// A frame in which a box lies within -1 to 1.
+    ///
+    /// Its centre lies on a coarse grid, so boxes that differ by a hair have the same frame: what is bounded in two ways
+    /// is mostly seen the same to the last bit.
     pub(super) fn around(bounds: &Aabb) -> Self {
+        /// Steps of the grid in a unit of the frame.
+        const STEPS: f64 = 16.0;
         let center = bounds.min * 0.5 + bounds.max * 0.5;
         let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
         if bounds.is_empty() || !center.is_finite() || !(half > 0.0 && half.is_finite()) {
             return Self { center: DVec3::ZERO, size: 1.0 };
         }
-        // The next power of two from the exponent alone, held where its inverse is one as well.
-        let exponent = (half.clamp(1e-300, 1e300).to_bits() >> 52) + 1;
-        Self { center, size: f64::from_bits(exponent << 52) }
+        // With room for half a step. The next power of two from the exponent alone, held where its inverse is one as well.
+        let room = half * (1.0 + 1.0 / STEPS);
+        let exponent = (room.clamp(1e-300, 1e300).to_bits() >> 52) + 1;
+        let size = f64::from_bits(exponent << 52);
+        let step = size / STEPS;
+        Self { center: (center / step).round() * step, size }
     }
 
     pub(super) fn state_from_cell(&self) -> DAffine3 {

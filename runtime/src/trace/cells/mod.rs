@@ -12,6 +12,7 @@
 
 mod ask;
 mod boolean;
+mod boxes;
 mod build;
 mod bvh;
 mod cell;
@@ -25,6 +26,7 @@ mod support;
 mod traverse;
 mod workshop;
 
+pub use boxes::Boxes;
 pub use store::Counts;
 
 use self::ask::{Ask, Question};

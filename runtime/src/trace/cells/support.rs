@@ -124,8 +124,7 @@ impl Workshop<'_, '_> {
             }
             let before = reach.open.len();
             let pieces = self.pieces(next.state)?;
-            let whole = self.is_small(next.state)?;
-            reach.add(self, &pieces, whole, next.direction, next.offset)?;
+            reach.add(self, &pieces, next.direction, next.offset)?;
             reach.open[before..].sort_by(|a, b| a.most.total_cmp(&b.most));
         }
         Ok(reach.best + reach.slack)
@@ -137,26 +136,13 @@ impl Reach {
         Self { best: f64::NEG_INFINITY, open: Vec::new(), nested, slack }
     }
 
-    /// Adds pieces. Of those that are taken as a whole, all that is in their states is added at once: of few primitives
-    /// no bounds are worth finding.
-    fn add(
-        &mut self,
-        shop: &mut Workshop,
-        pieces: &[Piece],
-        whole: bool,
-        direction: DVec3,
-        offset: f64,
-    ) -> Result<(), Fault> {
+    fn add(&mut self, shop: &mut Workshop, pieces: &[Piece], direction: DVec3, offset: f64) -> Result<(), Fault> {
         for piece in pieces {
             let map = &piece.outer_from_inner;
             let inner = map.matrix3.transpose() * direction;
             let offset = offset + map.translation.dot(direction);
             match &piece.shape {
                 Shape::Leaf(primitive, _) => self.best = self.best.max(offset + primitive.support(inner)),
-                Shape::Instance(state, _) if whole => {
-                    let pieces = shop.pieces(*state)?;
-                    self.add(shop, &pieces, whole, inner, offset)?;
-                }
                 Shape::Instance(state, _) => self.meet(shop, *state, inner, offset)?,
                 Shape::Intersect(operands) => {
                     let mut least = f64::INFINITY;
@@ -177,7 +163,10 @@ impl Reach {
 
     fn meet(&mut self, shop: &mut Workshop, state: u32, direction: DVec3, offset: f64) -> Result<(), Fault> {
         let most = offset + shop.reach(state, direction)?;
-        if most > self.best {
+        if most > self.best && shop.is_rare(state) && shop.is_small(state)? {
+            // To look into it would take as long as to make what is in it, and that is of use once only.
+            self.best = most;
+        } else if most > self.best {
             self.open.push(Open { most, state, direction, offset });
         }
         Ok(())
@@ -187,6 +176,6 @@ impl Reach {
         if self.nested >= MOST_NESTED {
             return Ok(shop.loose_of_all(pieces)?.support(direction));
         }
-        shop.search(Reach::new(self.nested + 1, self.slack), |reach, shop| reach.add(shop, pieces, false, direction, 0.0))
+        shop.search(Reach::new(self.nested + 1, self.slack), |reach, shop| reach.add(shop, pieces, direction, 0.0))
     }
 }

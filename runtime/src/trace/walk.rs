@@ -1,0 +1,213 @@
+//! A walk through the nodes of a state, up to the next states.
+
+use glam::DAffine3;
+
+use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State};
+use super::route::Route;
+use crate::eval::{Env, Machine};
+use crate::fault::{Fault, FaultKind, Limit};
+use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, Slot, Value};
+use crate::geometry::Primitive;
+
+// What tells the kinds of steps of a route apart.
+pub(super) const CHOICE: u64 = 0x1000_0000_0000_0000;
+pub(super) const COPY: u64 = 0x2000_0000_0000_0000;
+pub(super) const OPERAND: u64 = 0x3000_0000_0000_0000;
+
+/// Where a walk is.
+#[derive(Clone, Copy)]
+pub(super) struct Here {
+    group_from_here: DAffine3,
+    material: Option<MaterialId>,
+    route: Route,
+}
+
+impl Here {
+    /// Where a group begins.
+    pub(super) fn at(route: Route) -> Self {
+        Self { group_from_here: DAffine3::IDENTITY, material: None, route }
+    }
+
+    fn then(self, step: u64) -> Self {
+        Self { route: self.route.then(Route::step(step)), ..self }
+    }
+}
+
+/// A walk through the nodes of one state.
+pub(super) struct Walk<'e, 's> {
+    expander: &'e Expander<'s>,
+    machine: &'e mut Machine<'s>,
+    /// What expressions see where the walk is.
+    env: Env,
+    /// What stood in slots before they were assigned: state is restored after each operand.
+    journal: Vec<(Slot, Value)>,
+    /// How many more parts it may find.
+    left: u32,
+    /// How many more copies it may look into, even if there is nothing in them.
+    copies: u32,
+}
+
+impl<'e, 's> Walk<'e, 's> {
+    pub(super) fn new(expander: &'e Expander<'s>, machine: &'e mut Machine<'s>, env: Env) -> Self {
+        let (left, copies) = (expander.limits.items, expander.limits.repeat);
+        Self { expander, machine, env, journal: Vec::new(), left, copies }
+    }
+
+    /// Adds what a node stands for to a group. The environment is afterwards what it was before.
+    ///
+    /// It calls itself for operands, whose nesting the grammar limits.
+    pub(super) fn add(&mut self, group: &mut Group, node: NodeId, here: Here) -> Result<(), Fault> {
+        let (before, path, turn) = (self.journal.len(), self.env.path, self.env.turn);
+        let added = self.go(group, node, here);
+        while self.journal.len() > before {
+            if let Some((slot, value)) = self.journal.pop() {
+                self.env.slots[usize::from(slot.0)] = value;
+            }
+        }
+        (self.env.path, self.env.turn) = (path, turn);
+        added
+    }
+
+    /// Goes down a chain in a loop, since it may be long.
+    fn go(&mut self, group: &mut Group, node: NodeId, mut here: Here) -> Result<(), Fault> {
+        let graph = self.expander.graph;
+        let mut node = node;
+        loop {
+            match graph.node(node) {
+                Node::Empty => return Ok(()),
+                Node::Primitive { kind, code, origin } => {
+                    let primitive = match self.expander.fixed(node) {
+                        Fixed::Primitive(primitive) => *primitive,
+                        _ => {
+                            let values = self.machine.primitive(*kind, code, &mut self.env)?;
+                            Primitive::new(*kind, &values).ok_or_else(|| {
+                                Fault::new(FaultKind::Primitive { kind: *kind, values: values.to_vec() }, *origin)
+                            })?
+                        }
+                    };
+                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin }, *origin);
+                }
+                Node::Transform { kind, code, body, origin } => {
+                    here.group_from_here *= match self.expander.fixed(node) {
+                        Fixed::Matrix(above_from_below) => *above_from_below,
+                        _ => self.machine.transform(*kind, code, &mut self.env, *origin)?,
+                    };
+                    node = *body;
+                }
+                Node::Calc { code, body, .. } => {
+                    self.remember(code);
+                    self.machine.calculate(code, &mut self.env)?;
+                    node = *body;
+                }
+                Node::Paint { material, body } => {
+                    here.material = Some(*material);
+                    node = *body;
+                }
+                Node::Variant { count, body, origin } => {
+                    let count = self.machine.whole(count, &mut self.env, "variant", 1, *origin)?;
+                    self.env.fold(count);
+                    node = *body;
+                }
+                Node::Choice { condition, then, otherwise } => {
+                    node = if self.machine.truth(condition, &mut self.env)? { *then } else { *otherwise };
+                }
+                Node::Repeat { count, index, body, origin } => {
+                    let count = self.machine.whole(count, &mut self.env, "repeat", 0, *origin)?;
+                    return self.repeat(group, (count, *index, *body), *origin, here);
+                }
+                Node::Union(operands) => {
+                    for (number, operand) in operands.iter().enumerate() {
+                        self.add(group, *operand, here.then(OPERAND ^ number as u64))?;
+                    }
+                    return Ok(());
+                }
+                Node::Intersect(operands) => {
+                    let operands = self.operands(operands)?;
+                    return self.put(group, &here, Solid::Intersect(operands), Origin::NONE);
+                }
+                Node::Difference(first, others) => {
+                    let first = self.operand(*first)?;
+                    let others = self.operands(others)?;
+                    return self.put(group, &here, Solid::Difference(Box::new(first), others), Origin::NONE);
+                }
+                Node::Call(call) => {
+                    let state = self.enter(call)?;
+                    return self.put(group, &here.then(call.place), Solid::Instance(state, call.origin), call.origin);
+                }
+                Node::System(call) => {
+                    let env = self.machine.enter_system(graph, call, &mut self.env)?;
+                    let state = self.expander.state(Entry::System(call.system), &env);
+                    return self.put(group, &here.then(call.place), Solid::Instance(state, call.origin), call.origin);
+                }
+            }
+        }
+    }
+
+    /// Notes what stands in the slots that a code assigns.
+    fn remember(&mut self, code: &Code) {
+        for op in &code.ops {
+            if let Op::Store(slot, _) = op {
+                self.journal.push((*slot, self.env.slots[usize::from(slot.0)].clone()));
+            }
+        }
+    }
+
+    fn repeat(
+        &mut self,
+        group: &mut Group,
+        (count, index, body): (u32, Slot, NodeId),
+        origin: Origin,
+        here: Here,
+    ) -> Result<(), Fault> {
+        self.copies = self.copies.checked_sub(count).ok_or_else(|| {
+            let most = u64::from(self.expander.limits.repeat);
+            Fault::new(FaultKind::Limit { limit: Limit::Repeat, most }, origin)
+        })?;
+        let slot = usize::from(index.0);
+        let (before, turn) = (self.env.slots[slot].clone(), self.env.turn);
+        for number in 0..count {
+            self.env.turn(index, number);
+            self.add(group, body, here.then(COPY ^ u64::from(number)))?;
+            self.env.turn = turn;
+        }
+        self.env.slots[slot] = before;
+        Ok(())
+    }
+
+    fn operands(&mut self, operands: &[NodeId]) -> Result<Vec<Group>, Fault> {
+        operands.iter().map(|it| self.operand(*it)).collect()
+    }
+
+    /// An operand of a Boolean, as a group in the frame of the Boolean itself.
+    fn operand(&mut self, operand: NodeId) -> Result<Group, Fault> {
+        let mut group = Group::default();
+        self.add(&mut group, operand, Here::at(Route::START))?;
+        Ok(group)
+    }
+
+    /// The state behind a call: its arguments, and of what it sees here only what is live there.
+    fn enter(&mut self, call: &Call) -> Result<State, Fault> {
+        self.machine.evaluate(&call.args, &mut self.env)?;
+        let entry = Entry::Select(call.select);
+        let live = self.expander.live(entry);
+        let params = &self.expander.graph.select(call.select).params;
+        let value = |slot: &Slot| {
+            let argument = params.iter().rposition(|it| it == slot);
+            let argument = argument.and_then(|it| self.machine.result(&call.args, it));
+            argument.unwrap_or(&self.env.slots[usize::from(slot.0)]).clone()
+        };
+        let slots = live.slots.iter().map(value).collect();
+        Ok(State { entry, slots, path: live.path.then(|| self.env.path.joined(call.place, self.env.turn)) })
+    }
+
+    fn put(&mut self, group: &mut Group, here: &Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
+        let most = self.expander.limits.items;
+        self.left = self
+            .left
+            .checked_sub(1)
+            .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
+        let Here { group_from_here: group_from_item, material, route } = *here;
+        group.items.push(Item { group_from_item, material, route, solid });
+        Ok(())
+    }
+}

@@ -1,0 +1,138 @@
+//! Bounds hold whatever is drawn: no point of what is really there lies outside those of any state on the way to it.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on has failed")]
+
+mod derivation;
+#[path = "../../runtime/tests/common/mod.rs"]
+mod scenes;
+
+use std::collections::HashMap;
+
+use derivation::{Dice, follow};
+use glam::DVec3;
+use proptest::prelude::*;
+use treegen_compiler::{Loaded, NoFiles, Options, Setting, compile};
+use treegen_runtime::Limits;
+use treegen_runtime::form::Scene;
+use treegen_runtime::geometry::Aabb;
+use treegen_runtime::trace::cells::Boxes;
+use treegen_runtime::trace::{Expander, State};
+
+const STOCHASTIC: &str = include_str!("../programs/stochastic.tg");
+const CARPENTER: &str = include_str!("../programs/carpenter.tg");
+const CONIFER: &str = include_str!("../programs/conifer.tg");
+const LENGTHS: &str = include_str!("../programs/lengths.tg");
+const THICKNESS: &str = include_str!("../programs/thickness.tg");
+
+fn scene(text: &str, settings: &[(&str, &str)]) -> Scene {
+    let setting = |it: &(&str, &str)| Setting { name: it.0.to_owned(), value: it.1.to_owned() };
+    let options = Options { settings: settings.iter().map(setting).collect(), ..Options::default() };
+    let compiled = compile(Loaded { name: "test.tg".into(), text: text.into() }, &NoFiles, &options);
+    compiled.scene.expect("the program has no mistakes")
+}
+
+/// What has been looked at.
+#[derive(Debug, Default)]
+struct Seen {
+    points: usize,
+    exact: usize,
+}
+
+/// How far off rounding may be, in parts of the size of what is looked at.
+const ROUNDING: f64 = 1e-11;
+
+/// Follows so many derivations of a scene with one seed, and looks whether their points lie in all bounds on the way. Exact
+/// boxes are found for the states of the first derivation only.
+fn look(scene: &Scene, seed: u64, derivations: usize, seen: &mut Seen) -> Result<(), String> {
+    let limits = Limits::default();
+    let boxes = Boxes::new(scene, &limits).map_err(|it| format!("{it:?}"))?;
+    let expander = Expander::new(scene, &limits);
+    let mut dice = Dice(seed.wrapping_mul(77) + 5);
+    let mut exact: HashMap<State, Aabb> = HashMap::new();
+    for number in 0..derivations {
+        let stops = follow(&expander, boxes.root(), &mut dice).map_err(|it| format!("{it:?}"))?;
+        for stop in stops {
+            let state = &stop.state;
+            let loose = boxes.loose(state).map_err(|it| format!("{it:?}"))?;
+            let size = stop.points.iter().fold(1e-300_f64, |most, it| most.max(it.length()));
+            let directions = [dice.direction(), dice.direction(), dice.direction()];
+            for direction in directions {
+                let reach = boxes.reach(state, direction).unwrap() + size * ROUNDING;
+                let most = stop.points.iter().map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+                if most > reach {
+                    return Err(format!("seed {seed}: {state:?} reaches {most} in {direction}, and not {reach}"));
+                }
+            }
+            let mut all = vec![loose];
+            if number == 0 {
+                all.push(*exact.entry(state.clone()).or_insert_with(|| boxes.exact(state).unwrap()));
+                seen.exact += stop.points.len();
+            }
+            for point in &stop.points {
+                for bounds in &all {
+                    if !contains(bounds, *point, size * ROUNDING) {
+                        return Err(format!("seed {seed}: {state:?} has {point} outside {bounds:?}"));
+                    }
+                }
+            }
+            seen.points += stop.points.len();
+        }
+    }
+    Ok(())
+}
+
+fn contains(bounds: &Aabb, point: DVec3, slack: f64) -> bool {
+    (bounds.min - slack).cmple(point).all() && (bounds.max + slack).cmpge(point).all()
+}
+
+/// Looks at a program with many seeds.
+fn look_at_many(text: &str, settings: &[(&str, &str)], seeds: u64, derivations: usize) -> Seen {
+    let mut scene = scene(text, settings);
+    let mut seen = Seen::default();
+    for seed in 0..seeds {
+        scene.seed = seed;
+        look(&scene, seed, derivations, &mut seen).unwrap();
+    }
+    seen
+}
+
+#[test]
+fn no_point_of_a_stochastic_plant_is_outside_its_bounds() {
+    let seen = look_at_many(STOCHASTIC, &[], 100, 8);
+    assert!(seen.points > 50_000 && seen.exact > 5_000, "{seen:?}");
+}
+
+#[test]
+fn no_point_of_a_conifer_is_outside_its_bounds() {
+    let seen = look_at_many(CONIFER, &[("Conifer.rings", "12")], 100, 8);
+    assert!(seen.points > 20_000 && seen.exact > 3_000, "{seen:?}");
+}
+
+#[test]
+fn no_point_of_a_tree_of_drawn_lengths_is_outside_its_bounds() {
+    let seen = look_at_many(LENGTHS, &[], 100, 4);
+    assert!(seen.points > 30_000 && seen.exact > 5_000, "{seen:?}");
+}
+
+#[test]
+fn no_point_of_a_tree_that_carries_what_it_drew_is_outside_its_bounds() {
+    let seen = look_at_many(THICKNESS, &[], 100, 4);
+    assert!(seen.points > 30_000 && seen.exact > 5_000, "{seen:?}");
+}
+
+#[test]
+fn no_point_of_a_fractal_terrain_is_outside_its_bounds() {
+    let seen = look_at_many(CARPENTER, &[], 100, 8);
+    assert!(seen.points > 20_000 && seen.exact > 2_000, "{seen:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_point_of_a_random_graph_is_outside_its_bounds(seed in any::<u64>()) {
+        let mut scene = scenes::random_scene(seed);
+        scene.seed = seed ^ 0x55;
+        look(&scene, seed, 12, &mut Seen::default()).map_err(TestCaseError::fail)?;
+    }
+}

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3};
 
 use super::loose::Loose;
 use super::profile::stretch;
-use super::sketch::{Extent, Part, Sketch, What};
+use super::sketch::{Count, Extent, Part, Sketch, What};
 use super::step::{Step, Way};
 
 /// The strongly connected components of a graph reached from one node, each after those it leads to (Tarjan 1972). It
@@ -99,8 +99,9 @@ pub(super) fn extents<'a>(component: impl Iterator<Item = Knot<'a>>) -> Result<V
                 _ => Extent::EMPTY,
             };
             let extent = knot.sketch.extent(&known);
-            let (states, height) = (extent.states.saturating_add(1), extent.height.saturating_add(1));
-            Ok(vec![Extent { loose: extent.loose.with_room(), states, height, ..extent }])
+            let count = Count { states: extent.count.states.saturating_add(1), ..extent.count };
+            let height = extent.height.saturating_add(1);
+            Ok(vec![Extent { loose: extent.loose.with_room(), count, height, ..extent }])
         }
         knots => solve(knots),
     }
@@ -125,7 +126,7 @@ fn solve(cycle: &[Knot<'_>]) -> Result<Vec<Extent>, Trouble> {
     let links = cycle.iter().flat_map(|it| it.links);
     let outside = links.filter_map(|it| if let Link::Outside(extent) = it { Some(extent.height) } else { None });
     let height = outside.max().unwrap_or(0).saturating_add(1);
-    Ok(found.into_iter().map(|loose| Extent { loose, primitives: u64::MAX, states: u64::MAX, height }).collect())
+    Ok(found.into_iter().map(|loose| Extent { loose, height, ..Extent::ALL }).collect())
 }
 
 /// What a round through a cycle makes of bounds.

@@ -60,19 +60,54 @@ pub(crate) enum What {
 pub(crate) struct Extent {
     /// Its bounds.
     pub(crate) loose: Loose,
-    /// How many primitives it is made of.
-    pub(crate) primitives: u64,
-    /// How many states it goes through, each as often as it comes.
-    pub(crate) states: u64,
+    /// How much it is.
+    pub(crate) count: Count,
+    /// How much any one of the states is that it leads to.
+    pub(crate) inner: Count,
     /// How many states are inside one another in it; those of a cycle count as one.
     pub(crate) height: u32,
 }
 
+/// How much something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Count {
+    /// How many primitives it is made of.
+    pub(crate) primitives: u64,
+    /// How many states it goes through, each as often as it comes.
+    pub(crate) states: u64,
+}
+
+impl Count {
+    const NOTHING: Self = Self { primitives: 0, states: 0 };
+    /// More than can be counted.
+    pub(crate) const ENDLESS: Self = Self { primitives: u64::MAX, states: u64::MAX };
+
+    fn and(self, other: Self, copies: u64) -> Self {
+        Self {
+            primitives: self.primitives.saturating_add(other.primitives.saturating_mul(copies)),
+            states: self.states.saturating_add(other.states.saturating_mul(copies)),
+        }
+    }
+
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self { primitives: self.primitives.max(other.primitives), states: self.states.max(other.states) }
+    }
+}
+
 impl Extent {
     /// Nothing.
-    pub(crate) const EMPTY: Self = Self { loose: Loose::EMPTY, primitives: 0, states: 0, height: 0 };
+    pub(crate) const EMPTY: Self = Self { loose: Loose::EMPTY, count: Count::NOTHING, inner: Count::NOTHING, height: 0 };
     /// Anything.
-    pub(crate) const ALL: Self = Self { loose: Loose::ALL, primitives: u64::MAX, states: u64::MAX, height: 0 };
+    pub(crate) const ALL: Self = Self { loose: Loose::ALL, count: Count::ENDLESS, inner: Count::ENDLESS, height: 0 };
+}
+
+impl Extent {
+    /// Counts what something else is as well, whose bounds are taken care of elsewhere.
+    fn take_in(&mut self, other: &Self, copies: u64) {
+        self.count = self.count.and(other.count, copies);
+        self.inner = self.inner.max(other.inner);
+        self.height = self.height.max(other.height);
+    }
 }
 
 impl Default for Sketch {
@@ -92,15 +127,14 @@ impl Sketch {
     pub(crate) fn extent(&self, known: &impl Fn(u32) -> Extent) -> Extent {
         let mut all = Vec::with_capacity(self.parts.len() + 1);
         all.push(self.fixed);
-        let (mut primitives, mut states, mut height) = (self.primitives, 0_u64, 0);
+        let mut whole =
+            Extent { count: Count { primitives: self.primitives, states: 0 }, ..Extent::EMPTY };
         for part in &self.parts {
             let extent = part.extent(known);
-            height = height.max(extent.height);
             all.push(extent.loose);
-            primitives = primitives.saturating_add(extent.primitives.saturating_mul(part.copies));
-            states = states.saturating_add(extent.states.saturating_mul(part.copies));
+            whole.take_in(&extent, part.copies);
         }
-        Extent { loose: Loose::union(&all), primitives, states, height }
+        Extent { loose: Loose::union(&all), ..whole }
     }
 
     /// Calls `visit` with the ways to those successors on which its bounds depend.
@@ -123,7 +157,10 @@ impl Sketch {
 impl Part {
     fn extent(&self, known: &impl Fn(u32) -> Extent) -> Extent {
         let own = match &self.what {
-            What::State(state) => known(*state),
+            What::State(state) => {
+                let extent = known(*state);
+                Extent { inner: extent.count, ..extent }
+            }
             What::Intersect(operands) => {
                 let all: Vec<Extent> = operands.iter().map(|it| it.extent(known)).collect();
                 whole(all.iter().map(|it| it.loose).reduce(Loose::intersection).unwrap_or(Loose::EMPTY), &all)
@@ -139,10 +176,7 @@ impl Part {
 
 /// What a Boolean amounts to, by its bounds and its operands.
 fn whole(loose: Loose, operands: &[Extent]) -> Extent {
-    Extent {
-        loose,
-        primitives: operands.iter().fold(0, |sum, it| sum.saturating_add(it.primitives)),
-        states: operands.iter().fold(0, |sum, it| sum.saturating_add(it.states)),
-        height: operands.iter().map(|it| it.height).max().unwrap_or(0),
-    }
+    let mut whole = Extent { loose, ..Extent::EMPTY };
+    operands.iter().for_each(|it| whole.take_in(it, 1));
+    whole
 }

@@ -21,7 +21,7 @@ use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Primitive};
-use crate::trace::Route;
+use crate::trace::{Group, Route, Solid, State};
 
 /// Members of a cell's union from which on nothing more is merged into it.
 const ENOUGH: usize = 64;
@@ -88,11 +88,11 @@ impl Way {
             small: false,
         };
 
-    fn to(self, piece: &Piece) -> Self {
+    fn to(self, outer_from_inner: &DAffine3, material: Option<MaterialId>, route: Route) -> Self {
         Self {
-            state_from_inner: self.state_from_inner * piece.outer_from_inner,
-            material: piece.material.or(self.material),
-            route: if self.frozen { self.route } else { self.route.then(piece.route) },
+            state_from_inner: self.state_from_inner * *outer_from_inner,
+            material: material.or(self.material),
+            route: if self.frozen { self.route } else { self.route.then(route) },
             ..self
         }
     }
@@ -103,18 +103,11 @@ impl Way {
 /// It calls itself for Booleans, whose nesting the grammar limits, and for small states, which are not deep.
 fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
     for piece in pieces {
-        let way = way.to(piece);
+        let way = way.to(&piece.outer_from_inner, piece.material, piece.route);
         let shape = match &piece.shape {
             Shape::Leaf(primitive, origin) => Outline::Leaf(**primitive, *origin),
             Shape::Instance(state, origin) => {
-                let inner = Way { levels: way.levels + 1, ..way };
-                // What is in a small state is small as well.
-                if way.small || shop.is_small(*state).map_err(|it| called(shop, *state, *origin, it))? {
-                    let pieces = shop.pieces(*state).map_err(|it| called(shop, *state, *origin, it))?;
-                    draft(shop, &pieces, Way { small: true, ..inner }, drafts)?;
-                    continue;
-                }
-                drafts.push(Draft { way: inner, shape: Outline::Instance(*state, *origin) });
+                draft_state(shop, *state, *origin, way, drafts)?;
                 continue;
             }
             Shape::Intersect(operands) => {
@@ -136,6 +129,84 @@ fn draft_all(shop: &mut Workshop, operands: &[Box<[Piece]>], way: Way) -> Result
         .map(|pieces| {
             let mut drafts = Vec::new();
             draft(shop, pieces, way, &mut drafts).map(|()| drafts)
+        })
+        .collect()
+}
+
+/// Puts a draft of a state into `drafts`, or of what is in it if it is small.
+fn draft_state(
+    shop: &mut Workshop,
+    state: u32,
+    origin: Origin,
+    way: Way,
+    drafts: &mut Vec<Draft>,
+) -> Result<(), Fault> {
+    let way = Way { levels: way.levels + 1, ..way };
+    if !way.small && !shop.is_small(state).map_err(|it| called(shop, state, origin, it))? {
+        drafts.push(Draft { way, shape: Outline::Instance(state, origin) });
+        return Ok(());
+    }
+    // What is in a small state is small as well.
+    let way = Way { small: true, ..way };
+    if shop.is_rare(state) {
+        let state = shop.state(state);
+        return draft_afresh(shop, &state, origin, way, drafts);
+    }
+    let pieces = shop.pieces(state).map_err(|it| called(shop, state, origin, it))?;
+    draft(shop, &pieces, way, drafts)
+}
+
+/// Puts drafts of what is in a small state into `drafts` that is looked at once only: no tables are kept for it.
+fn draft_afresh(
+    shop: &mut Workshop,
+    state: &State,
+    origin: Origin,
+    way: Way,
+    drafts: &mut Vec<Draft>,
+) -> Result<(), Fault> {
+    let led = |shop: &Workshop, fault| led_by(fault, std::iter::once(shop.store.expander.trail_step(state, origin)));
+    let group = shop.expand(state).map_err(|it| led(shop, it))?;
+    draft_group(shop, group, way, drafts).map_err(|it| led(shop, it))
+}
+
+fn draft_group(shop: &mut Workshop, group: Group, way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
+    for item in group.items {
+        let way = way.to(&item.group_from_item, item.material, item.route);
+        let shape = match item.solid {
+            Solid::Leaf { primitive, origin } => Outline::Leaf(primitive, origin),
+            Solid::Instance(state, origin) if shop.store.survey.is_rare(&state) => {
+                draft_afresh(shop, &state, origin, Way { levels: way.levels + 1, ..way }, drafts)?;
+                continue;
+            }
+            Solid::Instance(state, origin) => {
+                let state = shop.number(state);
+                draft_state(shop, state, origin, way, drafts)?;
+                continue;
+            }
+            Solid::Intersect(operands) => {
+                Outline::Boolean { difference: false, operands: draft_groups(shop, operands, way)? }
+            }
+            Solid::Difference(first, others) => {
+                let operands = std::iter::once(*first).chain(others);
+                Outline::Boolean { difference: true, operands: draft_groups(shop, operands, way)? }
+            }
+        };
+        drafts.push(Draft { way, shape });
+    }
+    Ok(())
+}
+
+fn draft_groups(
+    shop: &mut Workshop,
+    operands: impl IntoIterator<Item = Group>,
+    way: Way,
+) -> Result<Vec<Vec<Draft>>, Fault> {
+    let way = Way { frozen: true, ..way };
+    operands
+        .into_iter()
+        .map(|group| {
+            let mut drafts = Vec::new();
+            draft_group(shop, group, way, &mut drafts).map(|()| drafts)
         })
         .collect()
 }
@@ -214,7 +285,8 @@ impl Merge<'_, '_, '_> {
     fn open(&mut self, state: u32, way: Way) -> Result<Range<usize>, Fault> {
         let mut drafts = Vec::new();
         let pieces = self.shop.pieces(state)?;
-        draft(self.shop, &pieces, way, &mut drafts)?;
+        let small = way.small || self.shop.has_small_parts(state)?;
+        draft(self.shop, &pieces, Way { small, ..way }, &mut drafts)?;
         let start = self.slots.len();
         for draft in drafts {
             if let Outline::Instance(state, _) = draft.shape {

@@ -19,7 +19,7 @@ use crate::geometry::{Aabb, Primitive};
 use crate::trace::Route;
 
 /// A state expanded and merged.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Cell {
     /// The cell itself, then the operands of its Booleans.
     pub(super) unions: Vec<Union>,
@@ -38,7 +38,7 @@ pub(super) struct Cell {
 }
 
 /// The union of some members of a cell.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Union {
     /// The node that holds all its boxes, or none.
     pub(super) root: Option<u32>,
@@ -96,7 +96,7 @@ impl Ref {
 }
 
 /// A primitive in a cell.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub(super) leaf_from_cell: DAffine3,
     pub(super) primitive: Primitive,
@@ -107,7 +107,7 @@ pub(super) struct Leaf {
 }
 
 /// A cell in a cell.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Instance {
     /// The way to the inner cell's own frame.
     pub(super) way: Inwards,
@@ -118,7 +118,7 @@ pub(super) struct Instance {
 }
 
 /// An intersection or a difference in a cell.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Boolean {
     /// Whether all operands but the first are taken away.
     pub(super) difference: bool,
@@ -131,7 +131,7 @@ pub(super) struct Boolean {
 }
 
 /// What a hit needs to know of a part.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Part {
     /// Which leaf or instance it is.
     pub(super) member: Ref,
@@ -202,6 +202,13 @@ impl Cell {
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
         self
+    }
+
+    /// The same cell where states have other numbers.
+    pub(super) fn renumbered(&self, mut number: impl FnMut(u32) -> u32) -> Self {
+        let mut cell = self.clone();
+        cell.instances.iter_mut().for_each(|it| it.state = number(it.state));
+        cell
     }
 
     /// How many bytes it takes.

@@ -2,8 +2,9 @@
 //!
 //! They live in **generations**: within one they are only added, so a cell that is there is found by one atomic load and
 //! lives as long as the generation. When a generation has had its share of the budget, an empty one takes its place; a
-//! thread goes over to it between two rays, and the old one ends with its last holder. What no longer fits while a ray is
-//! under way is kept apart, for that ray alone ([`Generation::apart`]).
+//! thread goes over to it between two rays. What is asked for again is carried over from the one before, and the rest
+//! ends when the next one begins. What no longer fits while a ray is under way is kept apart, for that ray alone
+//! ([`Generation::apart`]).
 //!
 //! What is kept follows from the states, cells are built outside all locks, and the first one published wins: no picture
 //! depends on what is kept, or on who built it.
@@ -64,6 +65,8 @@ pub(super) struct Generation {
     /// Beyond this nothing is kept but one cell.
     most: u64,
     kept: Arc<Kept>,
+    /// The one before, until there is another after this.
+    before: Mutex<Option<Arc<Self>>>,
 }
 
 /// The numbers of states.
@@ -99,7 +102,7 @@ impl<'s> Store<'s> {
             limits: *limits,
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
-            generation: Mutex::new(Arc::new(Generation::new(limits, &kept, &root))),
+            generation: Mutex::new(Arc::new(Generation::new(limits, &kept, &root, None))),
             root,
             kept,
             expanded: AtomicU64::new(0),
@@ -131,7 +134,10 @@ impl<'s> Store<'s> {
     pub(super) fn generation(&self) -> Arc<Generation> {
         let mut current = lock(&self.generation);
         if current.is_full() {
-            *current = Arc::new(Generation::new(&self.limits, &self.kept, &self.root));
+            // What was before this one has served.
+            *lock(&current.before) = None;
+            let before = Some(Arc::clone(&current));
+            *current = Arc::new(Generation::new(&self.limits, &self.kept, &self.root, before));
         }
         Arc::clone(&current)
     }
@@ -147,7 +153,10 @@ impl<'s> Store<'s> {
         if !generation.has_room() {
             return Ok(None);
         }
-        let cell = build::build(self, generation, number)?;
+        let cell = match generation.carried_over(number) {
+            Some(cell) => cell,
+            None => build::build(self, generation, number)?,
+        };
         let kept = generation.keep(number, cell);
         self.most_cells.fetch_max(generation.count.load(Ordering::Relaxed), Ordering::Relaxed);
         Ok(kept)
@@ -168,12 +177,18 @@ impl<'s> Store<'s> {
 }
 
 impl Generation {
-    fn new(limits: &Limits, kept: &Arc<Kept>, root: &Arc<State>) -> Self {
-        let most = (limits.kept_bytes / 2).max(1);
-        Self::with_room_for(most - most / 4, most, kept, root)
+    fn new(limits: &Limits, kept: &Arc<Kept>, root: &Arc<State>, before: Option<Arc<Self>>) -> Self {
+        // Two are there at a time, beside the workshops.
+        let most = (limits.kept_bytes / 8 * 3).max(1);
+        Self::with_room_for([most - most / 4, most], kept, root, before)
     }
 
-    fn with_room_for(enough: u64, most: u64, kept: &Arc<Kept>, root: &Arc<State>) -> Self {
+    fn with_room_for(
+        [enough, most]: [u64; 2],
+        kept: &Arc<Kept>,
+        root: &Arc<State>,
+        before: Option<Arc<Self>>,
+    ) -> Self {
         let generation = Self {
             names: Mutex::default(),
             cells: Chunks::new(),
@@ -182,9 +197,18 @@ impl Generation {
             enough: enough.max(1),
             most,
             kept: Arc::clone(kept),
+            before: Mutex::new(before),
         };
         generation.number(root);
         generation
+    }
+
+    /// The cell of a state as the generation before has it.
+    fn carried_over(&self, number: u32) -> Option<Cell> {
+        let before = lock(&self.before).clone()?;
+        let there = lock(&before.names).numbers.get(&self.state(number)).copied()?;
+        let cell = before.kept(there)?;
+        Some(cell.renumbered(|it| self.number(&before.state(it))))
     }
 
     /// A small generation for what no longer fits in this one, in which a state has number 0. It is meant to end with the
@@ -192,7 +216,7 @@ impl Generation {
     pub(super) fn apart(&self, number: u32) -> Self {
         // Each is half as large as the one that it came out of, so all of them together are not much larger than one.
         let most = self.most / 2;
-        Self::with_room_for(most, most, &self.kept, &self.state(number))
+        Self::with_room_for([most; 2], &self.kept, &self.state(number), None)
     }
 
     /// The number of a state: equal states have the same one.

@@ -5,6 +5,8 @@
 //! often a neighbour, as long as it is not too much; it is made again when it is needed, and is always the same.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::hash::BuildHasher;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -13,23 +15,22 @@ use glam::DAffine3;
 use super::cell::Frame;
 use super::piece::Piece;
 use super::store::{Store, lock};
-use crate::abstraction::{Extent, Loose, Scout};
+use crate::abstraction::{Count, Extent, Loose, Scout};
 use crate::eval::Machine;
 use crate::fault::{Fault, TrailStep};
 use crate::form::Origin;
 use crate::quick_hash::BuildQuickHash;
-use crate::trace::State;
+use crate::trace::{Group, State};
 
 /// Primitives of a state that is always merged, at most, and states that those are found through.
-const SMALL: u64 = 16;
-const SMALL_STATES: u64 = 32;
+const SMALL: Count = Count { primitives: 16, states: 32 };
 
 /// What a workshop has at hand.
 #[derive(Debug)]
 pub(super) struct Bench<'s> {
     machine: Machine<'s>,
     scout: Scout,
-    numbers: HashMap<Arc<State>, u32, BuildQuickHash>,
+    numbers: Numbers,
     known: Vec<Known>,
     /// About how many bytes all that takes.
     bytes: usize,
@@ -48,17 +49,56 @@ impl<'s> Bench<'s> {
         Self {
             machine: store.expander.machine(),
             scout: Scout::default(),
-            numbers: HashMap::default(),
+            numbers: Numbers::default(),
             known: Vec::new(),
             bytes: 0,
         }
     }
 
+    fn add(&mut self, hash: u64, state: Arc<State>) -> u32 {
+        let number = self.known.len() as u32;
+        self.bytes += state.bytes() + size_of::<Known>() + 6 * size_of::<u64>();
+        self.numbers.insert(hash, number);
+        self.known.push(Known { state, pieces: None, extent: None });
+        number
+    }
+
     fn clear(&mut self) {
         // New ones, so that what they had grown to is given back.
-        self.numbers = HashMap::default();
+        self.numbers = Numbers::default();
         self.known = Vec::new();
         self.bytes = 0;
+    }
+}
+
+/// Numbers by the hash of what has them. What has the same hash is told apart by whoever asks.
+#[derive(Debug, Default)]
+struct Numbers {
+    first: HashMap<u64, u32, BuildQuickHash>,
+    /// The rest of those that share a hash.
+    others: Vec<(u64, u32)>,
+}
+
+impl Numbers {
+    fn hash(&self, state: &State) -> u64 {
+        self.first.hasher().hash_one(state)
+    }
+
+    fn find(&self, hash: u64, is_it: impl Fn(u32) -> bool) -> Option<u32> {
+        let first = *self.first.get(&hash)?;
+        if is_it(first) {
+            return Some(first);
+        }
+        self.others.iter().filter(|it| it.0 == hash).map(|it| it.1).find(|it| is_it(*it))
+    }
+
+    fn insert(&mut self, hash: u64, number: u32) {
+        match self.first.entry(hash) {
+            Entry::Vacant(place) => {
+                place.insert(number);
+            }
+            Entry::Occupied(_) => self.others.push((hash, number)),
+        }
     }
 }
 
@@ -93,25 +133,18 @@ impl<'a, 's> Workshop<'a, 's> {
 
     /// The number of a state: equal states have the same one.
     pub(super) fn number(&mut self, state: State) -> u32 {
-        if let Some(number) = self.bench().numbers.get(&state) {
-            return *number;
-        }
-        self.add(Arc::new(state))
+        let bench = self.bench();
+        let hash = bench.numbers.hash(&state);
+        let known = bench.numbers.find(hash, |it| *bench.known[it as usize].state == state);
+        known.unwrap_or_else(|| bench.add(hash, Arc::new(state)))
     }
 
     /// The number of a state that is kept elsewhere as well.
     pub(super) fn number_of(&mut self, state: &Arc<State>) -> u32 {
-        let known = self.bench().numbers.get(state).copied();
-        known.unwrap_or_else(|| self.add(Arc::clone(state)))
-    }
-
-    fn add(&mut self, state: Arc<State>) -> u32 {
         let bench = self.bench();
-        let number = bench.known.len() as u32;
-        bench.bytes += state.bytes() + size_of::<Known>() + 4 * size_of::<usize>();
-        bench.numbers.insert(Arc::clone(&state), number);
-        bench.known.push(Known { state, pieces: None, extent: None });
-        number
+        let hash = bench.numbers.hash(state);
+        let known = bench.numbers.find(hash, |it| bench.known[it as usize].state == *state);
+        known.unwrap_or_else(|| bench.add(hash, Arc::clone(state)))
     }
 
     /// The state of a number.
@@ -178,13 +211,31 @@ impl<'a, 's> Workshop<'a, 's> {
     /// # Errors
     /// As [`Workshop::loose`].
     pub(super) fn is_small(&mut self, number: u32) -> Result<bool, Fault> {
-        self.extent(number).map(|it| it.primitives <= SMALL && it.states <= SMALL_STATES)
+        self.extent(number).map(|it| is_small(it.count))
+    }
+
+    /// Whether all states in a state are small. (Those may be more: what is known of each by itself is more.)
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn has_small_parts(&mut self, number: u32) -> Result<bool, Fault> {
+        self.extent(number).map(|it| is_small(it.inner))
     }
 
     /// Whether no other state is likely to lead to this one: what is made of it is of use once only.
     pub(super) fn is_rare(&mut self, number: u32) -> bool {
         let store = self.store;
         store.survey.is_rare(&self.bench().known[number as usize].state)
+    }
+
+    /// What a state expands to that is looked at once only.
+    ///
+    /// # Errors
+    /// What fails in expanding it.
+    pub(super) fn expand(&mut self, state: &State) -> Result<Group, Fault> {
+        let store = self.store;
+        store.expanded.fetch_add(1, Ordering::Relaxed);
+        store.expander.expand_with(&mut self.bench().machine, state)
     }
 
     /// The bounds of a state in the frame outside a map, loose ones.
@@ -200,4 +251,8 @@ impl<'a, 's> Workshop<'a, 's> {
         let state = self.state(number);
         self.store.expander.trail_step(&state, called)
     }
+}
+
+fn is_small(count: Count) -> bool {
+    count.max(SMALL) == SMALL
 }

@@ -207,6 +207,7 @@ impl Traced {
             seconds: Seconds { compile, prepare: self.prepare, render: self.render },
             cpu_seconds: CpuSeconds { render: self.cpu },
             states: self.counts.map(|it| it.states),
+            cells_built: self.counts.map(|it| it.built),
             cells: self.counts.map(|it| it.cells),
             cell_bytes: self.counts.map(|it| it.cell_bytes),
             peak_rss_bytes: peak_rss_bytes(),

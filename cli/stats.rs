@@ -11,11 +11,13 @@ pub struct Stats {
     pub seconds: Seconds,
     /// Time of all processors together.
     pub cpu_seconds: CpuSeconds,
-    /// States that were found.
+    /// States that were expanded; those that were dropped and needed again count again.
     pub states: Option<u64>,
-    /// Cells that were built.
+    /// Cells that were built; those that were dropped and needed again count again.
+    pub cells_built: Option<u64>,
+    /// The most cells that were kept at once.
     pub cells: Option<u64>,
-    /// Bytes of the cells that were kept.
+    /// The most bytes that they took, with the states in them.
     pub cell_bytes: Option<u64>,
     /// The most memory that the process held at once.
     pub peak_rss_bytes: Option<u64>,

@@ -43,6 +43,7 @@ pub(super) struct Store<'s> {
     root: Arc<State>,
     kept: Arc<Kept>,
     pub(super) expanded: AtomicU64,
+    built: AtomicU64,
     most_cells: AtomicU64,
 }
 
@@ -81,6 +82,8 @@ struct Names {
 pub struct Counts {
     /// States expanded so far; those that were dropped and expanded again count again.
     pub states: u64,
+    /// Cells built so far; those that were dropped and built again count again.
+    pub built: u64,
     /// The most cells kept at a time.
     pub cells: u64,
     /// The most bytes that cells and the states in them took.
@@ -106,6 +109,7 @@ impl<'s> Store<'s> {
             root,
             kept,
             expanded: AtomicU64::new(0),
+            built: AtomicU64::new(0),
             most_cells: AtomicU64::new(0),
         })
     }
@@ -155,7 +159,10 @@ impl<'s> Store<'s> {
         }
         let cell = match generation.carried_over(number) {
             Some(cell) => cell,
-            None => build::build(self, generation, number)?,
+            None => {
+                self.built.fetch_add(1, Ordering::Relaxed);
+                build::build(self, generation, number)?
+            }
         };
         let kept = generation.keep(number, cell);
         self.most_cells.fetch_max(generation.count.load(Ordering::Relaxed), Ordering::Relaxed);
@@ -170,6 +177,7 @@ impl<'s> Store<'s> {
     pub(super) fn counts(&self) -> Counts {
         Counts {
             states: self.expanded.load(Ordering::Relaxed),
+            built: self.built.load(Ordering::Relaxed),
             cells: self.most_cells.load(Ordering::Relaxed),
             cell_bytes: self.kept.most.load(Ordering::Relaxed),
         }

@@ -12,7 +12,7 @@
 
 mod ask;
 mod boolean;
-mod boxes;
+mod state_boxes;
 mod build;
 mod bvh;
 mod cell;
@@ -26,7 +26,7 @@ mod support;
 mod traverse;
 mod workshop;
 
-pub use boxes::Boxes;
+pub use state_boxes::Boxes;
 pub use store::Counts;
 
 use self::ask::{Ask, Question};

@@ -10,6 +10,7 @@ pub mod eval;
 pub mod fault;
 pub mod form;
 pub mod geometry;
+mod lanes;
 mod limits;
 pub mod picture;
 pub mod trace;

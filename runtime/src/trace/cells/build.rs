@@ -13,13 +13,13 @@ use glam::{DAffine3, DMat3};
 
 use super::bounds::primitive_bounds;
 use super::bvh::{self, Boxed, area};
-use super::cell::{Boolean, Cell, Frame, Instance, Leaf, Named, Part, Ref, Union};
+use super::cell::{Boolean, Cell, Frame, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
 use super::store::{Store, led_by};
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
 /// Members of a cell's union from which on nothing more is merged into it.
@@ -323,7 +323,14 @@ impl Layout<'_, '_> {
         let member = Ref::new(Named::Leaf(self.cell.leaves.len() as u32));
         let part = self.part(member, way, origin);
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
-        self.cell.leaves.push(Leaf { leaf_from_cell, primitive, solid: primitive.is_solid(), part });
+        let (leaf_from_cell, shape) = match tame(&primitive, &leaf_from_cell) {
+            Some((leaf_from_cell, convex)) => (leaf_from_cell, LeafShape::Convex(convex)),
+            None => {
+                self.cell.others.push(primitive);
+                (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
+            }
+        };
+        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
         (member, primitive_bounds(&primitive, &way.state_from_inner))
     }
 
@@ -363,6 +370,18 @@ impl Layout<'_, '_> {
         self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
+}
+
+/// A primitive as a convex one, with the map to its frame, if rays of the cell have numbers there that can be squared.
+fn tame(primitive: &Primitive, leaf_from_cell: &DAffine3) -> Option<(DAffine3, Convex)> {
+    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
+    const MOST: f64 = 1e30;
+    let (convex, scale) = primitive.convex()?;
+    let map = DAffine3::from_scale(scale) * *leaf_from_cell;
+    let back = inverse(&map).matrix3;
+    let size = |it: &DMat3| [it.x_axis, it.y_axis, it.z_axis].map(|it| it.abs().max_element()).into_iter().sum::<f64>();
+    let reach = convex.reach() + map.translation.abs().max_element();
+    (size(&map.matrix3) < MOST && size(&back) < MOST && reach < MOST).then_some((map, convex))
 }
 
 /// The inverse of a map however large or small it is: its determinant alone may be out of range.

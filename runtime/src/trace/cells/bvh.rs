@@ -7,7 +7,7 @@
 use std::cmp::Ordering;
 
 use super::cell::{Named, Ref};
-use super::kernel::{Node, WIDTH};
+use super::boxes::{Node, WIDTH};
 use crate::geometry::Aabb;
 
 /// Items above which a split looks at the middle of each axis only instead of at every place: it keeps huge states

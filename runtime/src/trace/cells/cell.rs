@@ -12,10 +12,10 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::kernel::Node;
+use super::boxes::Node;
 use super::ray::Inwards;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
 /// A state expanded and merged.
@@ -27,6 +27,8 @@ pub(super) struct Cell {
     pub(super) nodes: Vec<Node>,
     /// The primitives.
     pub(super) leaves: Vec<Leaf>,
+    /// Those primitives that are no convex ones.
+    pub(super) others: Vec<Primitive>,
     /// The cells inside.
     pub(super) instances: Vec<Instance>,
     /// The Booleans.
@@ -99,11 +101,30 @@ impl Ref {
 #[derive(Debug)]
 pub(super) struct Leaf {
     pub(super) leaf_from_cell: DAffine3,
-    pub(super) primitive: Primitive,
+    pub(super) shape: LeafShape,
     /// Whether it has an inside.
     pub(super) solid: bool,
     /// Its number.
     pub(super) part: u32,
+}
+
+/// What a [`Leaf`] is in its own frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LeafShape {
+    /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared.
+    Convex(Convex),
+    /// Any other: its number among [`Cell::others`].
+    Other(u32),
+}
+
+impl Cell {
+    /// A leaf as a primitive.
+    pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
+        match leaf.shape {
+            LeafShape::Convex(convex) => convex.primitive(),
+            LeafShape::Other(number) => self.others[number as usize],
+        }
+    }
 }
 
 /// A cell in a cell.
@@ -190,6 +211,7 @@ impl Cell {
         self.unions.shrink_to_fit();
         self.nodes.shrink_to_fit();
         self.leaves.shrink_to_fit();
+        self.others.shrink_to_fit();
         self.instances.shrink_to_fit();
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
@@ -203,6 +225,7 @@ impl Cell {
             + size_of_val(&*self.unions)
             + size_of_val(&*self.nodes)
             + size_of_val(&*self.leaves)
+            + size_of_val(&*self.others)
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)

@@ -7,17 +7,18 @@
 //! What a ray sees is a pure function of the ray and the scene. Rays and matrices are in double precision, and a hit
 //! follows from the chain of frames from the world to the primitive, which the states alone decide. Boxes are in
 //! single precision, but only decide what need not be looked at: they are grown by the proven error of their test
-//! (`kernel`). So culling, the width of SIMD, the order of rays, threads and the budget for cells change the time,
+//! (`boxes`). So culling, the width of SIMD, the order of rays, threads and the budget for cells change the time,
 //! and no bit of a picture.
 
 mod ask;
 mod boolean;
 mod bounds;
+mod boxes;
 mod build;
 mod bvh;
 mod cell;
 mod deep;
-mod kernel;
+mod packet;
 mod piece;
 mod ray;
 mod resolve;
@@ -27,16 +28,19 @@ mod traverse;
 
 pub use store::Counts;
 
-use self::ask::{Ask, Question};
-use self::kernel::{Kernel, Task, dispatch};
+use self::ask::{Ask, Found, NONE, Question, Trails};
+use self::boxes::BoxRay;
+use self::cell::Cell;
+use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
 use self::ray::{Inwards, Local};
 use self::resolve::Hit;
 use self::store::{Generation, Store};
-use self::traverse::{Scratch, Start, Tracing};
+use self::traverse::{Passage, Scratch, Start, Tracing};
 use super::{RayFault, Sample, SurfaceRay, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
+use crate::lanes::{Kernel, Task, dispatch};
 use crate::limits::Limits;
 
 /// What is not looked at.
@@ -119,12 +123,13 @@ impl Task for Look<'_, '_> {
         while samples.len() < rays.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            for ray in &rays[samples.len()..] {
-                let number = samples.len();
-                samples.push(Sample::default());
-                if let Some(sample) = samples.last_mut() {
-                    caster.look(ray, sample).map_err(|fault| RayFault { ray: number, fault })?;
-                }
+            while samples.len() < rays.len() {
+                let start = samples.len();
+                let packet = &rays[start..rays.len().min(start + RAYS)];
+                samples.resize_with(start + packet.len(), Sample::default);
+                caster
+                    .look_all(packet, &mut samples[start..])
+                    .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
                 }
@@ -149,11 +154,12 @@ impl Task for Blocked<'_, '_> {
         while blocked.len() < rays.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            for ray in &rays[blocked.len()..] {
-                match caster.blocked(ray) {
-                    Ok(it) => blocked.push(it),
-                    Err(fault) => return Err(RayFault { ray: blocked.len(), fault }),
-                }
+            while blocked.len() < rays.len() {
+                let start = blocked.len();
+                let packet = &rays[start..rays.len().min(start + RAYS)];
+                caster
+                    .blocked_all(packet, blocked)
+                    .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
                 }
@@ -163,99 +169,203 @@ impl Task for Blocked<'_, '_> {
     }
 }
 
-/// Casts rays one after another through one generation of cells.
-struct Caster<'a, 's, 'g, K> {
+/// Casts rays, packet after packet, through one generation of cells.
+struct Caster<'a, 's, 'g, K: Kernel> {
     tracer: &'a CellTracer<'s>,
     tracing: Tracing<'a, 's, K>,
     generation: &'g Generation,
-    scratch: Scratch<'g>,
+    together: PacketScratch<'g, K>,
+    alone: Scratch<'g>,
+    trails: Trails,
 }
 
 impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     fn new(tracer: &'a CellTracer<'s>, kernel: K, generation: &'g Generation) -> Self {
         let tracing = Tracing { store: &tracer.store, kernel, cull: tracer.culling == Culling::State };
-        Self { tracer, tracing, generation, scratch: Scratch::default() }
+        Self {
+            tracer,
+            tracing,
+            generation,
+            together: PacketScratch::default(),
+            alone: Scratch::default(),
+            trails: Trails::default(),
+        }
     }
 
+    /// What the rays of a packet see.
     #[inline(always)]
-    fn look(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
-        let local = Local::new(ray, &self.tracer.cell_from_world);
-        let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY);
-        self.ask(&mut ask, local)?;
-        if ask.over {
-            return self.look_out(ray, local, sample);
+    fn look_all(&mut self, rays: &[Ray], samples: &mut [Sample]) -> Result<(), RayFault> {
+        let mut ask = PacketAsk::new(Question::Nearest, all_of(rays.len()), [None; RAYS]);
+        if rays.len() == 1 || !self.ask_together(&mut ask, |lane| rays[lane.min(rays.len() - 1)]) {
+            return self.look_each(rays, samples);
         }
-        self.resolve(ray, local, ask, sample)
+        for (number, (ray, sample)) in rays.iter().zip(samples).enumerate() {
+            let seen = if ask.over >> number & 1 == 1 {
+                self.look_out(ray, sample)
+            } else {
+                let (depth, found) = ask.found(number);
+                self.resolve(ray, depth, found, sample)
+            };
+            seen.map_err(|fault| RayFault { ray: number, fault })?;
+        }
+        Ok(())
+    }
+
+    /// What rays see, one after another: the first that meets a fault is the lowest.
+    #[cold]
+    #[inline(never)]
+    fn look_each(&mut self, rays: &[Ray], samples: &mut [Sample]) -> Result<(), RayFault> {
+        for (number, (ray, sample)) in rays.iter().zip(samples).enumerate() {
+            self.look(ray, sample).map_err(|fault| RayFault { ray: number, fault })?;
+        }
+        Ok(())
+    }
+
+    fn look(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
+        let mut trails = std::mem::take(&mut self.trails);
+        trails.clear();
+        let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY, &mut trails);
+        let asked = self.ask_alone(&mut ask, ray);
+        let Ask { best, found, over, .. } = ask;
+        self.trails = trails;
+        asked?;
+        if over { self.look_out(ray, sample) } else { self.resolve(ray, best, found, sample) }
     }
 
     /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
     #[cold]
     #[inline(never)]
-    fn look_out(&mut self, ray: &Ray, local: Local, sample: &mut Sample) -> Result<(), Fault> {
-        let mut ask = Ask::new(Question::Exit, None, 0.0);
+    fn look_out(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
+        let mut trails = std::mem::take(&mut self.trails);
+        let asked = self.ask_out(ray, &mut trails);
+        self.trails = trails;
+        let (depth, found) = asked?;
+        self.resolve(ray, depth, found, sample)
+    }
+
+    fn ask_out(&mut self, ray: &Ray, trails: &mut Trails) -> Result<(f64, Found), Fault> {
+        let mut ask = Ask::new(Question::Exit, None, 0.0, trails);
         loop {
             let before = ask.best;
-            self.ask_apart(&mut ask, local)?;
+            self.ask_alone(&mut ask, ray)?;
             // A solid that begins before this exit may have been passed over while the exit was nearer.
             if ask.best == before || ask.best == f64::INFINITY {
                 break;
             }
         }
         if ask.best == f64::INFINITY {
-            ask.found = None;
+            ask.found = Found::NOTHING;
         }
         ask.question = Question::Surface;
-        self.ask_apart(&mut ask, local)?;
-        self.resolve(ray, local, ask, sample)
+        self.ask_alone(&mut ask, ray)?;
+        Ok((ask.best, ask.found))
     }
 
+    /// Whether the rays of a packet meet anything.
     #[inline(always)]
-    fn blocked(&mut self, ray: &SurfaceRay) -> Result<bool, Fault> {
-        let local = Local::new(&ray.ray, &self.tracer.cell_from_world);
-        let mut ask = Ask::new(Question::Any, Some(&ray.from), f64::INFINITY);
-        self.ask(&mut ask, local)?;
-        Ok(ask.over)
+    fn blocked_all(&mut self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
+        let mut from = [None; RAYS];
+        for (from, ray) in from.iter_mut().zip(rays) {
+            *from = Some(&ray.from);
+        }
+        let mut ask = PacketAsk::new(Question::Any, all_of(rays.len()), from);
+        if rays.len() == 1 || !self.ask_together(&mut ask, |lane| rays[lane.min(rays.len() - 1)].ray) {
+            return self.blocked_each(rays, blocked);
+        }
+        blocked.extend((0..rays.len()).map(|ray| ask.over >> ray & 1 == 1));
+        Ok(())
     }
 
-    fn ask_apart(&mut self, ask: &mut Ask, local: Local) -> Result<(), Fault> {
+    #[cold]
+    #[inline(never)]
+    fn blocked_each(&mut self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
+        for (number, ray) in rays.iter().enumerate() {
+            let mut trails = std::mem::take(&mut self.trails);
+            trails.clear();
+            let mut ask = Ask::new(Question::Any, Some(&ray.from), f64::INFINITY, &mut trails);
+            let asked = self.ask_alone(&mut ask, &ray.ray);
+            let over = ask.over;
+            self.trails = trails;
+            asked.map_err(|fault| RayFault { ray: number, fault })?;
+            blocked.push(over);
+        }
+        Ok(())
+    }
+
+    /// Asks along the rays of a packet. If one of them has met a fault, or there is no room for a cell of the scene, they
+    /// have to ask one by one.
+    #[inline(always)]
+    fn ask_together(&mut self, ask: &mut PacketAsk, ray: impl Fn(usize) -> Ray) -> bool {
+        let Some(cell) = self.root() else {
+            return false;
+        };
+        let mut rays = [ray(0); RAYS];
+        for (lane, it) in rays.iter_mut().enumerate() {
+            *it = ray(lane);
+        }
+        self.trails.clear();
+        let mut search = PacketSearch {
+            tracing: &self.tracing,
+            generation: self.generation,
+            scratch: &mut self.together,
+            trails: &mut self.trails,
+            ask,
+        };
+        search.search(cell, self.tracer.root, &rays, &self.tracer.cell_from_world).is_ok()
+    }
+
+    /// The scene's cell, if there is room for it.
+    fn root(&self) -> Option<&'g Cell> {
+        let (store, state) = (self.tracing.store, self.tracer.root);
+        match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => store.cell(self.generation, state).ok().flatten(),
+        }
+    }
+
+    fn ask_alone(&mut self, ask: &mut Ask, ray: &Ray) -> Result<(), Fault> {
         let kernel = self.tracing.kernel;
         kernel.vectorize(
             #[inline(always)]
-            || self.ask(ask, local),
+            || self.ask(ask, ray),
         )
     }
 
     #[inline(always)]
-    fn ask(&mut self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
+    fn ask(&mut self, ask: &mut Ask, ray: &Ray) -> Result<(), Fault> {
         let (store, state) = (self.tracing.store, self.tracer.root);
-        let from = ask.start_part(0);
-        let kept = match self.generation.kept(state) {
-            Some(cell) => Some(cell),
-            None => store.cell(self.generation, state)?,
-        };
-        let Some(cell) = kept else {
-            return self.ask_unkept(ask, ray);
-        };
-        let start = Start { cell, state, called: Origin::NONE, ray, from, levels: 0 };
-        self.tracing.search(self.generation, &mut self.scratch, ask, start)
+        let ray = Local::new(ray, &self.tracer.cell_from_world);
+        let boxes = BoxRay::new(ray.origin, ray.direction);
+        let (called, from) = (Origin::NONE, ask.start_part(0));
+        let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0 };
+        match store.cell(self.generation, state)? {
+            Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Start { cell, passage }),
+            None => self.ask_unkept(ask, passage),
+        }
     }
 
     /// Asks with a cell of the scene for this ray alone: other threads have filled the generation meanwhile.
     #[cold]
     #[inline(never)]
-    fn ask_unkept(&self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
-        let (state, from) = (self.tracer.root, ask.start_part(0));
-        let cell = build::build(self.tracing.store, state)?;
+    fn ask_unkept(&self, ask: &mut Ask, passage: Passage) -> Result<(), Fault> {
+        let cell = build::build(self.tracing.store, passage.state)?;
         let mut scratch = Scratch::default();
-        let start = Start { cell: &cell, state, called: Origin::NONE, ray, from, levels: 0 };
-        self.tracing.search(self.generation, &mut scratch, ask, start)
+        self.tracing.search(self.generation, &mut scratch, ask, Start { cell: &cell, passage })
     }
 
-    fn resolve(&self, ray: &Ray, local: Local, ask: Ask, sample: &mut Sample) -> Result<(), Fault> {
-        let Some(found) = ask.found else {
+    fn resolve(&self, ray: &Ray, depth: f64, found: Found, sample: &mut Sample) -> Result<(), Fault> {
+        if found.is_nothing() {
             return Ok(());
-        };
-        let hit = Hit { ray, local, depth: ask.best, found };
+        }
+        let local = Local::new(ray, &self.tracer.cell_from_world);
+        let mark = found.mark();
+        let (path, flipped) = (self.trails.path(mark), found.is_flipped());
+        let hit = Hit { ray, local, depth, path, face: mark.face, flipped };
         resolve::fragment(self.tracing.store, self.generation, self.tracer.root, hit, sample)
     }
+}
+
+/// The bits of so many rays.
+fn all_of(rays: usize) -> u32 {
+    ((1_u64 << rays) - 1) as u32
 }

@@ -5,7 +5,6 @@
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::ask::Found;
 use super::build::build;
 use super::cell::{Cell, Named};
 use super::ray::Local;
@@ -31,7 +30,11 @@ pub(super) struct Hit<'r> {
     /// The ray in the frame of the scene's cell.
     pub(super) local: Local,
     pub(super) depth: f64,
-    pub(super) found: Found,
+    /// The numbers of the parts on the way to the surface.
+    pub(super) path: SmallVec<[u32; 12]>,
+    pub(super) face: u8,
+    /// Whether the surface was cut into another solid.
+    pub(super) flipped: bool,
 }
 
 /// Adds what a ray sees where it meets a surface to its sample.
@@ -45,11 +48,11 @@ pub(super) fn fragment(
     hit: Hit,
     sample: &mut Sample,
 ) -> Result<(), Fault> {
-    let Hit { ray, local, depth, found } = hit;
+    let Hit { ray, local, depth, path, face, flipped } = hit;
     let mut way = Way { local, material: None, route: Route::START, frozen: false, matrices: SmallVec::new() };
     let mut state = root;
     let mut built: Option<Box<Cell>>;
-    for number in &found.path {
+    for number in &path {
         let cell = match store.cell(generation, state)? {
             Some(cell) => cell,
             None => {
@@ -79,8 +82,8 @@ pub(super) fn fragment(
                 let leaf = &cell.leaves[leaf as usize];
                 way.matrices.push(leaf.leaf_from_cell.matrix3);
                 let point = point_in(&way.local, &leaf.leaf_from_cell, depth);
-                let outwards = way.normal(leaf.primitive.normal(point, found.face));
-                let turned = if leaf.solid { found.flipped } else { outwards.dot(ray.direction) > 0.0 };
+                let outwards = way.normal(cell.primitive(leaf).normal(point, face));
+                let turned = if leaf.solid { flipped } else { outwards.dot(ray.direction) > 0.0 };
                 sample.fragments.push(Fragment {
                     coverage: 1.0,
                     depth,
@@ -89,7 +92,7 @@ pub(super) fn fragment(
                     material: way.material,
                     route: way.route.hash(),
                     origin: part.origin,
-                    site: Site { path: found.path, face: found.face },
+                    site: Site { path, face },
                 });
                 return Ok(());
             }

@@ -4,15 +4,17 @@
 //! is in. Only cells that are not kept, and Booleans, call for a search inside the search.
 
 use super::ask::{Ask, Event, Mark, NONE, Question};
-use super::boolean::{Pieces, Place, lanes};
+use super::boolean::{Pieces, Place};
+use super::boxes::{BoxRay, Met, Node, WIDTH, lanes_of, meet};
 use super::build::build;
-use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref};
+use super::cell::{Boolean, Cell, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
-use super::kernel::{BoxRay, Kernel, Met, Node, WIDTH};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
+use crate::geometry::{FACE, Side};
+use crate::lanes::{Kernel, One};
 
 /// What all searches share.
 pub(super) struct Tracing<'a, 's, K> {
@@ -22,26 +24,28 @@ pub(super) struct Tracing<'a, 's, K> {
     pub(super) cull: bool,
 }
 
-/// Where a search starts.
+/// A cell on the way of a ray.
 #[derive(Clone, Copy)]
 pub(super) struct Start<'g> {
     pub(super) cell: &'g Cell,
+    pub(super) passage: Passage,
+}
+
+/// The way into a cell.
+#[derive(Clone, Copy)]
+pub(super) struct Passage {
     pub(super) state: u32,
     pub(super) called: Origin,
     pub(super) ray: Local,
+    pub(super) boxes: BoxRay,
     /// The number in the cell of the part on which (or in which) the ray starts.
     pub(super) from: u32,
+    /// The way from the scene's cell to it.
+    pub(super) trail: u32,
+    /// How many numbers are on that way.
+    pub(super) position: u32,
     /// States inside one another to here.
     pub(super) levels: u32,
-}
-
-/// The way into a cell that is not kept.
-struct Passage {
-    state: u32,
-    called: Origin,
-    ray: Local,
-    from: u32,
-    levels: u32,
 }
 
 /// The stacks of a search, kept from ray to ray.
@@ -54,17 +58,9 @@ pub(super) struct Scratch<'g> {
 /// A cell that the ray is in.
 struct Frame<'g> {
     cell: &'g Cell,
-    ray: Local,
-    boxes: BoxRay,
+    passage: Passage,
     /// Where the ray begins.
     start: f32,
-    /// Its number in the cell around it.
-    part: u32,
-    /// The number in it of the part on which (or in which) the ray starts.
-    from: u32,
-    levels: u32,
-    state: u32,
-    called: Origin,
 }
 
 /// Something still to be looked at.
@@ -90,16 +86,16 @@ pub(super) fn f32_above(x: f64) -> f32 {
 }
 
 /// More than a number of single precision is off by rounding, in parts of itself.
-const SINGLE: f64 = 1.0 / 8_388_608.0;
+pub(super) const SINGLE: f64 = 1.0 / 8_388_608.0;
 
 /// The boxes of a node that the ray meets: all of them if nothing is culled.
 #[inline(always)]
-pub(super) fn meet<K: Kernel>(kernel: K, cull: bool, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
-    if cull { kernel.meet(node, ray, from, to) } else { (node.lanes(), [f32::NEG_INFINITY; WIDTH]) }
+pub(super) fn met_of<K: Kernel>(kernel: K, cull: bool, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
+    if cull { meet(kernel, node, ray, from, to) } else { (node.lanes(), [f32::NEG_INFINITY; WIDTH]) }
 }
 
 impl<K: Kernel> Tracing<'_, '_, K> {
-    /// Asks along a ray.
+    /// Asks along a ray of all that is in a cell.
     ///
     /// # Errors
     /// The first fault met on the way.
@@ -115,13 +111,35 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         search.scratch.frames.clear();
         search.scratch.ahead.clear();
         // No closure here: only what is inlined is compiled for the kernel's SIMD.
-        let boxes = BoxRay::new(start.ray.origin, start.ray.direction);
-        let entered = search.enter(ask, start, boxes, NONE);
-        let searched = match entered {
+        let searched = match search.enter(ask, start) {
             Ok(first) => search.run(ask, first),
             Err(fault) => Err(fault),
         };
         match searched {
+            Ok(()) => Ok(()),
+            Err(fault) => Err(search.led(*fault)),
+        }
+    }
+
+    /// Asks along a ray of one thing in a cell.
+    ///
+    /// # Errors
+    /// The first fault met on the way.
+    #[inline(always)]
+    pub(super) fn search_in<'g>(
+        &self,
+        generation: &'g Generation,
+        scratch: &mut Scratch<'g>,
+        ask: &mut Ask,
+        start: Start<'g>,
+        what: Ref,
+    ) -> Result<(), Fault> {
+        let mut search = Search { tracing: self, generation, scratch };
+        search.scratch.frames.clear();
+        search.scratch.ahead.clear();
+        search.push_frame(start);
+        let first = Ahead { near: f32::NEG_INFINITY, what, frame: 0 };
+        match search.run(ask, Some(first)) {
             Ok(()) => Ok(()),
             Err(fault) => Err(search.led(*fault)),
         }
@@ -149,16 +167,22 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Adds the cells on the way to a fault.
     #[cold]
     fn led(&self, fault: Fault) -> Fault {
-        led_by(fault, self.scratch.frames.iter().map(|it| self.tracing.store.step(it.state, it.called)))
+        let frames = self.scratch.frames.iter().map(|it| &it.passage);
+        led_by(fault, frames.map(|it| self.tracing.store.step(it.state, it.called)))
+    }
+
+    #[inline(always)]
+    fn push_frame(&mut self, Start { cell, passage }: Start<'g>) {
+        let start = f32_below(passage.ray.own(0.0));
+        self.scratch.frames.push(Frame { cell, passage, start });
     }
 
     /// Goes into a cell.
     #[inline(always)]
-    fn enter(&mut self, ask: &Ask, start: Start<'g>, boxes: BoxRay, part: u32) -> Result<Option<Ahead>, Stop> {
-        let Start { cell, state, called, ray, from, levels } = start;
+    fn enter(&mut self, ask: &Ask, start: Start<'g>) -> Result<Option<Ahead>, Stop> {
+        let Start { cell, passage: Passage { ray, levels, called, .. } } = start;
         let frame = self.scratch.frames.len() as u32;
-        let start = f32_below(ray.own(0.0));
-        self.scratch.frames.push(Frame { cell, ray, boxes, start, part, from, levels, state, called });
+        self.push_frame(start);
         self.tracing.check_depth(levels.saturating_add(cell.levels), called)?;
         let Some(union) = cell.unions.first() else {
             return Ok(None);
@@ -189,7 +213,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             next = None;
             match what.named() {
                 Named::Node(node) => next = self.node(ask, number, node),
-                Named::Leaf(leaf) => self.leaf(ask, &cell.leaves[leaf as usize]),
+                Named::Leaf(number) => leaf(ask, cell, &cell.leaves[number as usize], &frame.passage),
                 Named::Instance(instance) => next = self.instance(ask, &cell.instances[instance as usize])?,
                 Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
             }
@@ -204,7 +228,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     fn pop(&mut self, ask: &Ask) -> Option<Ahead> {
         while let Some(ahead) = self.scratch.ahead.pop() {
             let frame = self.scratch.frames.get(ahead.frame as usize)?;
-            if !(self.tracing.cull && ahead.near > end(ask, &frame.ray)) {
+            if !(self.tracing.cull && ahead.near > end(ask, &frame.passage.ray)) {
                 return Some(ahead);
             }
         }
@@ -217,9 +241,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let Scratch { frames, ahead } = &mut *self.scratch;
         let frame = frames.last()?;
         let node = &frame.cell.nodes[node as usize];
-        let to = end(ask, &frame.ray);
-        let (bits, near) = meet(self.tracing.kernel, self.tracing.cull, node, &frame.boxes, frame.start, to);
-        let mut lanes = lanes(bits).map(
+        let to = end(ask, &frame.passage.ray);
+        let (bits, near) = met_of(self.tracing.kernel, self.tracing.cull, node, &frame.passage.boxes, frame.start, to);
+        let mut lanes = lanes_of(bits).map(
             #[inline(always)]
             |lane| Ahead { near: near[lane], what: node.inside[lane], frame: number },
         );
@@ -246,72 +270,29 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     }
 
     #[inline(always)]
-    fn leaf(&self, ask: &mut Ask, leaf: &Leaf) {
-        let Some(frame) = self.scratch.frames.last() else {
-            return;
-        };
-        if leaf.part == frame.from {
-            self.leaf_from(ask, frame, leaf);
-        } else {
-            self.meet_leaf(ask, leaf, &frame.ray, None);
-        }
-    }
-
-    /// The leaf on whose surface the ray starts: t is counted from the start, so that the surface is met at exactly 0.
-    #[cold]
-    fn leaf_from(&self, ask: &mut Ask, frame: &Frame, leaf: &Leaf) {
-        let face = ask.start_face();
-        self.meet_leaf(ask, leaf, &frame.ray.counted_from_start(), face);
-    }
-
-    #[inline(always)]
-    fn meet_leaf(&self, ask: &mut Ask, leaf: &Leaf, ray: &Local, from: Option<u8>) {
-        let line = ray.line(&leaf.leaf_from_cell);
-        let event = |t: f64, face: u8| {
-            let mark = Mark { trail: NONE, part: leaf.part, face };
-            Event { t: ray.world(t), mark, flipped: false }
-        };
-        if leaf.solid {
-            for chord in leaf.primitive.chords(&line, from) {
-                let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
-                ask.meet(self.way(), near, Some(far));
-            }
-        } else if let Some(crossing) = leaf.primitive.crossing(&line, from) {
-            ask.meet(self.way(), event(crossing.t, crossing.face), None);
-        }
-    }
-
-    /// The numbers of the cells the ray is in, but for the first.
-    fn way(&self) -> impl Iterator<Item = u32> + Clone {
-        self.scratch.frames.iter().skip(1).map(|it| it.part)
-    }
-
-    #[inline(always)]
     fn instance(&mut self, ask: &mut Ask, instance: &Instance) -> Result<Option<Ahead>, Stop> {
-        let Some(frame) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.frames.last() else {
             return Ok(None);
         };
-        let part = &frame.cell.parts[instance.part as usize];
-        let (ray, _) = frame.ray.entered(&instance.way);
+        let part = &cell.parts[instance.part as usize];
+        let (ray, _) = passage.ray.entered(&instance.way);
         let boxes = if instance.way.is_straight() {
-            frame.boxes.moved(ray.origin)
+            passage.boxes.moved(ray.origin)
         } else {
             BoxRay::new(ray.origin, ray.direction)
         };
-        let levels = frame.levels + part.levels;
-        let from = if frame.from == instance.part {
-            ask.start_part(ask.prefix.len() + self.scratch.frames.len())
-        } else {
-            NONE
-        };
-        let (state, called) = (instance.state, part.origin);
+        let position = passage.position + 1;
+        let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
+        let (state, called, levels) = (instance.state, part.origin, passage.levels + part.levels);
+        let trail = ask.trails.on(passage.trail, instance.part);
+        let passage = Passage { state, called, ray, boxes, from, trail, position, levels };
         let cell = match self.generation.kept(state) {
             Some(cell) => Some(cell),
             None => self.made(state, called)?,
         };
         match cell {
-            Some(cell) => self.enter(ask, Start { cell, state, called, ray, from, levels }, boxes, instance.part),
-            None => self.apart(ask, instance.part, &Passage { state, called, ray, from, levels }).map(|()| None),
+            Some(cell) => self.enter(ask, Start { cell, passage }),
+            None => self.apart(ask, passage).map(|()| None),
         }
     }
 
@@ -327,32 +308,27 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Goes through a cell that there is no room to keep.
     #[cold]
     #[inline(never)]
-    fn apart(&self, ask: &mut Ask, part: u32, passage: &Passage) -> Result<(), Stop> {
-        let Passage { state, called, ray, from, levels } = *passage;
+    fn apart(&self, ask: &mut Ask, passage: Passage) -> Result<(), Stop> {
+        let Passage { state, called, .. } = passage;
         let store = self.tracing.store;
         let cell = build(store, state).map_err(|fault| led_by(fault, std::iter::once(store.step(state, called))))?;
-        let before = ask.prefix.len();
-        ask.prefix.extend(self.way().chain([part]));
-        let start = Start { cell: &cell, state, called, ray, from, levels };
         let (tracing, generation) = (self.tracing, self.generation);
         let found = deeper(ask, |ask| {
             let mut scratch = Scratch::default();
             tracing.kernel.vectorize(
                 #[inline(always)]
-                || tracing.search(generation, &mut scratch, ask, start),
+                || tracing.search(generation, &mut scratch, ask, Start { cell: &cell, passage }),
             )
         });
-        ask.prefix.truncate(before);
         Ok(found?)
     }
 
     #[inline(never)]
     fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Stop> {
-        let Some(frame) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.frames.last() else {
             return Ok(());
         };
-        let position = ask.prefix.len() + self.scratch.frames.len() - 1;
-        let place = Place::new(frame.cell, frame.ray, frame.boxes, frame.from, position, frame.levels);
+        let place = Place::new(cell, passage);
         let range = if self.tracing.cull {
             let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
             (place.ray.own(0.0), place.ray.own(last))
@@ -367,9 +343,60 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 mark: end.surface,
                 flipped: end.flipped,
             };
-            ask.meet(self.way(), event(&piece.near), Some(event(&piece.far)));
+            ask.meet(event(&piece.near), Some(event(&piece.far)));
         }
         Ok(())
+    }
+}
+
+/// What a leaf says to the question.
+#[inline(always)]
+pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
+    if leaf.part == passage.from {
+        // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
+        let face = ask.start_face();
+        meet_primitive(ask, cell, leaf, passage.trail, &passage.ray.counted_from_start(), face);
+    } else {
+        meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
+    }
+}
+
+#[inline(always)]
+fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
+    let convex = match leaf.shape {
+        LeafShape::Convex(convex) if ray.is_tame() => convex,
+        LeafShape::Convex(_) | LeafShape::Other(_) => return meet_primitive(ask, cell, leaf, trail, ray, None),
+    };
+    let pieces = convex.pieces(One::new(), &ray.lines(&leaf.leaf_from_cell));
+    if pieces.odd.value {
+        return meet_primitive(ask, cell, leaf, trail, ray, None);
+    }
+    if pieces.met.value {
+        let event = |side: Side<One>| {
+            let mark = Mark { trail, part: leaf.part, face: (side.face / FACE) as u8 };
+            Event { t: ray.world(side.t.value), mark, flipped: false }
+        };
+        ask.meet(event(pieces.near), leaf.solid.then(|| event(pieces.far)));
+    }
+}
+
+/// What a leaf says to the question that is no convex primitive, or whose ray is out of the ordinary.
+#[cold]
+#[inline(never)]
+fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u8>) {
+    let primitive = cell.primitive(leaf);
+    let line = ray.line(&leaf.leaf_from_cell);
+    let event = |t: f64, face: u8| {
+        let mark = Mark { trail, part: leaf.part, face };
+        Event { t: ray.world(t), mark, flipped: false }
+    };
+    if leaf.solid {
+        for chord in primitive.chords(&line, from) {
+            let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
+            ask.meet(near, Some(far));
+        }
+    } else if let Some(crossing) = primitive.crossing(&line, from) {
+        ask.meet(event(crossing.t, crossing.face), None);
     }
 }
 

@@ -1,0 +1,212 @@
+//! Numbers, truths and vectors by lanes, with the operators of arithmetic.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use glam::{DAffine3, DMat3, DVec3};
+use pulp::Simd;
+
+use super::One;
+
+/// A number a lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide<S: Simd> {
+    lanes: S,
+    pub(crate) value: S::f64s,
+}
+
+/// A truth a lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Mask<S: Simd> {
+    lanes: S,
+    pub(crate) value: S::m64s,
+}
+
+/// A vector a lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide3<S: Simd> {
+    pub(crate) x: Wide<S>,
+    pub(crate) y: Wide<S>,
+    pub(crate) z: Wide<S>,
+}
+
+impl<S: Simd> Wide<S> {
+    #[inline(always)]
+    pub(crate) fn new(lanes: S, value: S::f64s) -> Self {
+        Self { lanes, value }
+    }
+
+    /// The same number in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat(lanes: S, value: f64) -> Self {
+        Self { lanes, value: lanes.splat_f64s(value) }
+    }
+
+    /// Another number in all lanes.
+    #[inline(always)]
+    pub(crate) fn all(self, value: f64) -> Self {
+        Self::splat(self.lanes, value)
+    }
+
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self { value: self.lanes.sqrt_f64s(self.value), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        Self { value: self.lanes.abs_f64s(self.value), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn lt(self, other: Self) -> Mask<S> {
+        Mask { lanes: self.lanes, value: self.lanes.less_than_f64s(self.value, other.value) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn le(self, other: Self) -> Mask<S> {
+        Mask { lanes: self.lanes, value: self.lanes.less_than_or_equal_f64s(self.value, other.value) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn gt(self, other: Self) -> Mask<S> {
+        other.lt(self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn ge(self, other: Self) -> Mask<S> {
+        other.le(self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn equals(self, other: Self) -> Mask<S> {
+        Mask { lanes: self.lanes, value: self.lanes.equal_f64s(self.value, other.value) }
+    }
+}
+
+impl<S: Simd> Mask<S> {
+    #[inline(always)]
+    pub(crate) fn new(lanes: S, value: S::m64s) -> Self {
+        Self { lanes, value }
+    }
+
+    /// `yes` in the lanes that are set, `no` in the others.
+    #[inline(always)]
+    pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {
+        Wide { lanes: self.lanes, value: self.lanes.select_f64s(self.value, yes.value, no.value) }
+    }
+
+    /// `yes` in the lanes that are set, `no` in the others.
+    #[inline(always)]
+    pub(crate) fn select_bits(self, yes: S::u64s, no: S::u64s) -> S::u64s {
+        self.lanes.select_u64s(self.value, yes, no)
+    }
+}
+
+impl<S: Simd> Wide3<S> {
+    /// The same vector in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat(lanes: S, value: DVec3) -> Self {
+        let part = |it| Wide::splat(lanes, it);
+        Self { x: part(value.x), y: part(value.y), z: part(value.z) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(self, other: Self) -> Wide<S> {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// A vector mapped by a matrix.
+    #[inline(always)]
+    pub(crate) fn turned(self, matrix: &DMat3) -> Self {
+        let (a, b, c) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
+        let row = |a: f64, b: f64, c: f64| self.x * self.x.all(a) + self.y * self.x.all(b) + self.z * self.x.all(c);
+        Self { x: row(a.x, b.x, c.x), y: row(a.y, b.y, c.y), z: row(a.z, b.z, c.z) }
+    }
+
+    /// A point mapped by a map.
+    #[inline(always)]
+    pub(crate) fn mapped(self, map: &DAffine3) -> Self {
+        let turned = self.turned(&map.matrix3);
+        turned + Self::splat(self.x.lanes, map.translation)
+    }
+}
+
+impl Wide3<One> {
+    /// The vector of the one lane.
+    #[inline(always)]
+    pub(crate) fn alone(self) -> DVec3 {
+        DVec3::new(self.x.value, self.y.value, self.z.value)
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $operation:ident) => {
+        impl<S: Simd> $trait for Wide<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { value: self.lanes.$operation(self.value, other.value), ..self }
+            }
+        }
+    };
+}
+
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
+
+impl<S: Simd> Neg for Wide<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { value: self.lanes.neg_f64s(self.value), ..self }
+    }
+}
+
+impl<S: Simd> BitAnd for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self { value: self.lanes.and_m64s(self.value, other.value), ..self }
+    }
+}
+
+impl<S: Simd> BitOr for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self { value: self.lanes.or_m64s(self.value, other.value), ..self }
+    }
+}
+
+impl<S: Simd> Not for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self { value: self.lanes.not_m64s(self.value), ..self }
+    }
+}
+
+impl<S: Simd> Add for Wide3<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl<S: Simd> Mul<Wide<S>> for Wide3<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, factor: Wide<S>) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}

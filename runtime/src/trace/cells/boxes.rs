@@ -1,0 +1,418 @@
+//! One ray against sixteen boxes, and sixteen rays against one: the inner loops of culling.
+//!
+//! It computes in single precision, and all of it in the frame of a [`Node`]'s cell, in which the cell's boxes lie
+//! within -1 to 1 and rays start at their point nearest the origin, with a direction of length 1. That makes its
+//! error absolute:
+//!
+//! - A ray that comes nearer than √3 has |origin| < 1.8 on each axis; rounding it moves it by up to 2⁻²⁴.
+//! - The difference of plane and origin is below 4 (2.8 in fact); rounding it moves the plane by up to 2⁻²³.
+//! - The direction, its inverse and the product are each rounded by a factor of 1 ± 2⁻²⁴, as if the plane had moved
+//!   by 2.8 · 1.5 · 2⁻²³.
+//! - A part of the direction below 2⁻⁶⁰ is taken for 2⁻⁶⁰, which moves the ray by less than 2⁻⁵⁸ wherever it is near
+//!   the cell.
+//!
+//! Together a plane is off by less than 6 · 2⁻²³. Every box is grown by [`GROWTH`], 2⁻¹⁹ = 16 · 2⁻²³, on each side
+//! (and rounded outwards), so the computed slab holds the true one, with 10 · 2⁻²³ left over for what double
+//! precision does to the points in it. So no box that holds a hit is ever skipped, whatever the width.
+
+use glam::DVec3;
+use pulp::{Simd, f32x16};
+
+use super::ray::Locals;
+use crate::geometry::Aabb;
+use crate::lanes::{Kernel, Wide};
+
+/// Boxes in a node.
+pub(super) const WIDTH: usize = 16;
+
+/// By how much boxes are grown on each side; see above.
+const GROWTH: f64 = 1.0 / 524_288.0;
+
+/// A part of a direction is not taken for less.
+const LEAST: f32 = 1.0 / (1_u64 << 60) as f32;
+
+/// Up to sixteen boxes, and what is in each.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// The lower x, y, z of each box, then the upper ones. Boxes that are not there end before they begin.
+    planes: [[f32; WIDTH]; 6],
+    /// What is in each box.
+    pub(super) inside: [super::cell::Ref; WIDTH],
+}
+
+/// A ray made ready for boxes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxRay {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// For each axis, 3 if the ray meets the upper plane first, else 0.
+    upper: [u8; 3],
+}
+
+#[inline(always)]
+fn upper(inverse: f32) -> u8 {
+    if inverse < 0.0 { 3 } else { 0 }
+}
+
+/// Which boxes of a node a ray meets, one bit a box, and where it comes into each.
+pub(super) type Met = (u32, [f32; WIDTH]);
+
+impl Node {
+    /// A node without boxes.
+    pub(super) const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        inside: [super::cell::Ref::NONE; WIDTH],
+    };
+
+    /// Puts a box in a lane.
+    pub(super) fn set(&mut self, lane: usize, bounds: &Aabb, inside: super::cell::Ref) {
+        for axis in 0..3 {
+            self.planes[axis][lane] = rounded_down(bounds.min[axis] - GROWTH);
+            self.planes[axis + 3][lane] = -rounded_down(-bounds.max[axis] - GROWTH);
+        }
+        self.inside[lane] = inside;
+    }
+
+    /// The lanes in use, one bit each.
+    pub(super) fn lanes(&self) -> u32 {
+        self.inside.iter().enumerate().fold(0, |bits, (lane, it)| bits | u32::from(!it.is_none()) << lane)
+    }
+}
+
+/// The next number of single precision that is not above `x`.
+fn rounded_down(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+}
+
+impl BoxRay {
+    /// Of a ray with a direction of about length 1.
+    #[inline(always)]
+    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
+        let single = |it: DVec3| [it.x as f32, it.y as f32, it.z as f32];
+        let direction = single(direction);
+        let inverse = direction.map(|it| 1.0 / if it.abs() < LEAST { LEAST.copysign(it) } else { it });
+        Self { origin: single(origin), inverse, upper: inverse.map(upper) }
+    }
+
+    /// The same direction from another origin.
+    #[inline(always)]
+    pub(super) fn moved(&self, origin: DVec3) -> Self {
+        Self { origin: [origin.x as f32, origin.y as f32, origin.z as f32], ..*self }
+    }
+
+    /// The numbers of the planes that the ray meets first and last on an axis.
+    #[inline(always)]
+    fn planes(&self, axis: usize) -> (usize, usize) {
+        let upper = usize::from(self.upper[axis]);
+        (axis + upper, axis + 3 - upper)
+    }
+}
+
+/// The boxes of a node that a ray meets between two places on it; one that is not a number is no limit.
+#[inline(always)]
+pub(super) fn meet<K: Kernel>(kernel: K, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
+    let lanes = kernel.lanes();
+    let (mut near, mut far) = (lanes.splat_f32s(from), lanes.splat_f32s(to));
+    for axis in 0..3 {
+        let (first, last) = ray.planes(axis);
+        let origin = lanes.splat_f32s(ray.origin[axis]);
+        let inverse = lanes.splat_f32s(ray.inverse[axis]);
+        let planes = |number: usize| pulp::cast::<[f32; WIDTH], f32x16>(node.planes[number]);
+        // As the processor's own minimum and maximum do it: the second, unless the first is beyond.
+        near = lanes.max_f32s(near, lanes.mul_f32s(lanes.sub_f32s(planes(first), origin), inverse));
+        far = lanes.min_f32s(far, lanes.mul_f32s(lanes.sub_f32s(planes(last), origin), inverse));
+    }
+    (kernel.bits16(lanes.less_than_or_equal_f32s(near, far)), pulp::cast(near))
+}
+
+/// Sixteen rays made ready for boxes.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct BoxRays {
+    origin: [f32x16; 3],
+    inverse: [f32x16; 3],
+    /// What all rays that count have in common on each axis.
+    spans: [Span; 3],
+}
+
+/// Within what bounds the rays of a packet lie on an axis.
+#[derive(Clone, Copy)]
+struct Span {
+    /// The origins that say where the first and where the last of the rays crosses a plane.
+    first: f32,
+    last: f32,
+    inverse: [f32; 2],
+    /// As in [`BoxRay`].
+    upper: u8,
+    /// Whether all of them go the same way; else nothing can be said.
+    one_way: bool,
+}
+
+impl BoxRays {
+    /// Of rays with directions of about length 1, of which those of `mask` count.
+    #[inline(always)]
+    pub(super) fn new<K: Kernel>(kernel: K, rays: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
+        let [low, high] = rays;
+        let narrow = |low: Wide<K::Lanes>, high: Wide<K::Lanes>| kernel.narrow(low.value, high.value);
+        let inverse = [
+            inverse_of(kernel, narrow(low.direction.x, high.direction.x)),
+            inverse_of(kernel, narrow(low.direction.y, high.direction.y)),
+            inverse_of(kernel, narrow(low.direction.z, high.direction.z)),
+        ];
+        Self::with_inverse(kernel, rays, inverse, mask)
+    }
+
+    /// Of rays with the same directions as these from other origins.
+    #[inline(always)]
+    pub(super) fn moved<K: Kernel>(&self, kernel: K, rays: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
+        Self::with_inverse(kernel, rays, self.inverse, mask)
+    }
+
+    #[inline(always)]
+    fn with_inverse<K: Kernel>(
+        kernel: K,
+        [low, high]: &[Locals<K::Lanes>; 2],
+        inverse: [f32x16; 3],
+        mask: u32,
+    ) -> Self {
+        let origin = [
+            kernel.narrow(low.origin.x.value, high.origin.x.value),
+            kernel.narrow(low.origin.y.value, high.origin.y.value),
+            kernel.narrow(low.origin.z.value, high.origin.z.value),
+        ];
+        let mask16 = kernel.mask16(mask);
+        let spans = [
+            Span::of(kernel, mask16, origin[0], inverse[0]),
+            Span::of(kernel, mask16, origin[1], inverse[1]),
+            Span::of(kernel, mask16, origin[2], inverse[2]),
+        ];
+        Self { origin, inverse, spans }
+    }
+
+    /// The boxes of a node that some of the rays may meet between two places, and a place before which none comes in.
+    ///
+    /// A box is left out only where every ray by itself would leave it out.
+    #[inline(always)]
+    pub(super) fn may_meet<K: Kernel>(&self, kernel: K, node: &Node, from: f32, to: f32) -> Met {
+        let lanes = kernel.lanes();
+        let (mut near, mut far) = (lanes.splat_f32s(from), lanes.splat_f32s(to));
+        for (axis, span) in self.spans.iter().enumerate() {
+            if !span.one_way {
+                continue;
+            }
+            let upper = usize::from(span.upper);
+            let planes = |number: usize| pulp::cast::<[f32; WIDTH], f32x16>(node.planes[number]);
+            let first = lanes.sub_f32s(planes(axis + upper), lanes.splat_f32s(span.first));
+            let last = lanes.sub_f32s(planes(axis + 3 - upper), lanes.splat_f32s(span.last));
+            let [a, b] = span.inverse.map(
+                #[inline(always)]
+                |it| lanes.splat_f32s(it),
+            );
+            near = lanes.max_f32s(near, lanes.min_f32s(lanes.mul_f32s(first, a), lanes.mul_f32s(first, b)));
+            far = lanes.min_f32s(far, lanes.max_f32s(lanes.mul_f32s(last, a), lanes.mul_f32s(last, b)));
+        }
+        let [lower, upper] = [0, 3].map(
+            #[inline(always)]
+            |it| pulp::cast::<[f32; WIDTH], f32x16>(node.planes[it]),
+        );
+        // If nothing can be said on any axis, boxes that are not there still are not.
+        let there = lanes.less_than_or_equal_f32s(lower, upper);
+        let met = lanes.and_m32s(there, lanes.less_than_or_equal_f32s(near, far));
+        (kernel.bits16(met), pulp::cast(near))
+    }
+
+    /// The rays that meet the box of a lane between two places on each.
+    #[inline(always)]
+    pub(super) fn meet<K: Kernel>(&self, kernel: K, node: &Node, lane: usize, from: f32x16, to: f32x16) -> u32 {
+        let lanes = kernel.lanes();
+        let (mut near, mut far) = (from, to);
+        for axis in 0..3 {
+            let place = |number: usize| {
+                let distance = lanes.sub_f32s(lanes.splat_f32s(node.planes[number][lane]), self.origin[axis]);
+                lanes.mul_f32s(distance, self.inverse[axis])
+            };
+            let (lower, upper) = (place(axis), place(axis + 3));
+            near = lanes.max_f32s(near, lanes.min_f32s(lower, upper));
+            far = lanes.min_f32s(far, lanes.max_f32s(lower, upper));
+        }
+        kernel.bits16(lanes.less_than_or_equal_f32s(near, far))
+    }
+
+    /// The ray of a lane.
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize) -> BoxRay {
+        let number = |it: &f32x16| pulp::cast::<f32x16, [f32; WIDTH]>(*it)[lane];
+        let all = |it: &[f32x16; 3]| [number(&it[0]), number(&it[1]), number(&it[2])];
+        let inverse = all(&self.inverse);
+        BoxRay { origin: all(&self.origin), inverse, upper: inverse.map(upper) }
+    }
+}
+
+/// The inverses of sixteen parts of directions.
+#[inline(always)]
+fn inverse_of<K: Kernel>(kernel: K, direction: f32x16) -> f32x16 {
+    let lanes = kernel.lanes();
+    let (zero, one) = (lanes.splat_f32s(0.0), lanes.splat_f32s(1.0));
+    let tiny = lanes.less_than_f32s(lanes.abs_f32s(direction), lanes.splat_f32s(LEAST));
+    let signs = lanes.select_f32s(lanes.less_than_f32s(direction, zero), lanes.splat_f32s(-LEAST), lanes.splat_f32s(LEAST));
+    lanes.div_f32s(one, lanes.select_f32s(tiny, signs, direction))
+}
+
+impl Span {
+    #[inline(always)]
+    fn of<K: Kernel>(kernel: K, mask: <K::Lanes as Simd>::m32s, origin: f32x16, inverse: f32x16) -> Self {
+        let lanes = kernel.lanes();
+        let (least, most) = (lanes.splat_f32s(f32::NEG_INFINITY), lanes.splat_f32s(f32::INFINITY));
+        let low = |it: f32x16| lanes.reduce_min_f32s(lanes.select_f32s(mask, it, most));
+        let high = |it: f32x16| lanes.reduce_max_f32s(lanes.select_f32s(mask, it, least));
+        let (low_origin, high_origin) = (low(origin), high(origin));
+        let inverse = [low(inverse), high(inverse)];
+        let one_way = inverse[0] > 0.0 || inverse[1] < 0.0;
+        let upper = upper(inverse[1]);
+        // Rays that go up meet a plane the earlier the higher they start.
+        let (first, last) = if upper == 0 { (high_origin, low_origin) } else { (low_origin, high_origin) };
+        Self { first, last, inverse, upper, one_way }
+    }
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+pub(super) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        // Takes the lowest bit away.
+        bits &= bits.wrapping_sub(1);
+        (lane < 32).then_some(lane as usize)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cell::{Named, Ref};
+    use super::*;
+    use crate::lanes::{Plain, Task, dispatch};
+
+    /// Numbers from 0 to 1.
+    struct Dice(u64);
+
+    impl Dice {
+        fn next(&mut self) -> f64 {
+            self.0 = crate::eval::spread(self.0);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        }
+
+        fn point(&mut self) -> DVec3 {
+            DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
+        }
+    }
+
+    fn boxes(dice: &mut Dice) -> [Aabb; WIDTH] {
+        [(); WIDTH].map(|()| {
+            let (a, b) = (dice.point(), dice.point());
+            // Some are flat.
+            let b = if dice.next() < 0.2 { b.with_x(a.x) } else { b };
+            Aabb { min: a.min(b), max: a.max(b) }
+        })
+    }
+
+    fn node(boxes: &[Aabb]) -> Node {
+        let mut node = Node::EMPTY;
+        for (lane, bounds) in boxes.iter().enumerate() {
+            node.set(lane, bounds, Ref::new(Named::Leaf(lane as u32)));
+        }
+        node
+    }
+
+    /// A point in a box: inside, or on a face, an edge or a corner.
+    fn point_in(dice: &mut Dice, bounds: &Aabb) -> DVec3 {
+        let mut part = || match dice.next() {
+            it if it < 0.2 => 0.0,
+            it if it > 0.8 => 1.0,
+            _ => dice.next(),
+        };
+        let parts = DVec3::new(part(), part(), part());
+        // Not min + (max - min) * part, which may come out beyond max.
+        DVec3::from_array([0, 1, 2].map(|axis| {
+            let (low, high): (f64, f64) = (bounds.min[axis], bounds.max[axis]);
+            if parts[axis] == 1.0 { high } else { (low + (high - low) * parts[axis]).min(high) }
+        }))
+    }
+
+    /// A ray through a point, from its own point nearest the origin, and where the point is on it. Now and then it
+    /// runs along an axis, or nearly so.
+    fn ray_through(dice: &mut Dice, point: DVec3) -> (BoxRay, f64) {
+        let direction = match dice.next() {
+            it if it < 0.1 => DVec3::X,
+            it if it < 0.2 => DVec3::new(1e-30, -1e-19, -1.0),
+            _ => dice.point(),
+        };
+        let direction = direction.normalize();
+        let origin = point - direction * point.dot(direction);
+        (BoxRay::new(origin, direction), point.dot(direction))
+    }
+
+    struct Meet<'a>(&'a Node, &'a BoxRay, f32, f32);
+
+    impl Task for Meet<'_> {
+        type Output = Met;
+
+        fn run<K: Kernel>(self, kernel: K) -> Met {
+            meet(kernel, self.0, self.1, self.2, self.3)
+        }
+    }
+
+    #[test]
+    fn a_box_that_holds_a_point_of_the_ray_is_never_missed() {
+        let mut dice = Dice(1);
+        for _ in 0..4000 {
+            let boxes = boxes(&mut dice);
+            let node = node(&boxes);
+            for (lane, bounds) in boxes.iter().enumerate() {
+                let point = point_in(&mut dice, bounds);
+                let (ray, at) = ray_through(&mut dice, point);
+                for (from, to) in [(f32::NEG_INFINITY, f32::INFINITY), ((at as f32).next_down(), (at as f32).next_up())]
+                {
+                    let (bits, near) = dispatch(Meet(&node, &ray, from, to));
+                    assert!(bits >> lane & 1 == 1, "{bounds:?} {point:?} {ray:?}");
+                    assert!(near[lane] <= (at as f32).next_up());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn all_widths_give_the_same_boxes() {
+        let mut dice = Dice(2);
+        let mut met = 0;
+        for round in 0..4000 {
+            let boxes = boxes(&mut dice);
+            let node = node(&boxes[..1 + round % WIDTH]);
+            let target = dice.point();
+            let (ray, _) = ray_through(&mut dice, target);
+            let to = if round % 7 == 0 { f32::NAN } else { dice.next() as f32 };
+            let expected = meet(Plain, &node, &ray, -0.5, to);
+            met += expected.0.count_ones();
+            let same = |it: Met| it.0 == expected.0 && lanes_of(&it) == lanes_of(&expected);
+            assert!(same(dispatch(Meet(&node, &ray, -0.5, to))));
+            #[cfg(target_arch = "x86_64")]
+            if let Some(simd) = pulp::x86::V3::try_new() {
+                assert!(same(Kernel::vectorize(simd, || meet(simd, &node, &ray, -0.5, to))));
+            }
+        }
+        assert!(met > 3000, "{met}");
+    }
+
+    /// Where the ray comes into the boxes that it meets.
+    fn lanes_of(met: &Met) -> Vec<f32> {
+        (0..WIDTH).filter(|it| met.0 >> it & 1 == 1).map(|it| met.1[it]).collect()
+    }
+}

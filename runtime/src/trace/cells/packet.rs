@@ -1,0 +1,579 @@
+//! The search along sixteen rays side by side, as long as most of them go the same way.
+//!
+//! The stacks are those of the search along one ray (`traverse`); each entry says which of the rays it is for. Where
+//! few are left, each of them goes on alone. What a ray meets is the same, to the bit, in whatever company it travels.
+
+use pulp::{Simd, f32x16, f64x8, u64x8};
+
+use super::ask::{Ask, Found, Mark, NONE, Question, Trails, start_part};
+use super::boxes::{BoxRays, Met, Node, WIDTH, lanes_of};
+use super::cell::{Cell, Instance, Leaf, LeafShape, Named, Ref};
+use super::ray::{Inwards, Local, Locals, NEAR, TAME};
+use super::store::{Generation, led_by};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing};
+use crate::fault::Fault;
+use crate::form::Origin;
+use crate::geometry::{Convex, Ray};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide};
+use crate::trace::Site;
+
+/// Rays in a packet.
+pub(super) const RAYS: usize = 16;
+/// Rays that go on alone if no more are left.
+const FEW: u32 = 2;
+
+/// The numbers of the rays on the packet's two halves.
+type Halves<T> = [T; 2];
+
+/// What all rays of a packet ask, and what they have found.
+pub(super) struct PacketAsk<'q> {
+    pub(super) question: Question,
+    /// The surface that each ray starts on.
+    pub(super) from: [Option<&'q Site>; RAYS],
+    /// The rays that still ask.
+    pub(super) asking: u32,
+    /// The rays whose search is over, as [`Ask::over`].
+    pub(super) over: u32,
+    best: Halves<f64x8>,
+    found: Halves<u64x8>,
+    /// How often something nearer has been found.
+    changes: u32,
+    steps: u64,
+}
+
+impl<'q> PacketAsk<'q> {
+    /// A question along the rays of the bits that are set.
+    pub(super) fn new(question: Question, asking: u32, from: [Option<&'q Site>; RAYS]) -> Self {
+        let best = pulp::cast([f64::INFINITY; EIGHT]);
+        let found = pulp::cast([Found::NOTHING.0; EIGHT]);
+        Self { question, from, asking, over: 0, best: [best; 2], found: [found; 2], changes: 0, steps: 0 }
+    }
+
+    /// Where a ray has met something, and what.
+    pub(super) fn found(&self, ray: usize) -> (f64, Found) {
+        let best = pulp::cast::<f64x8, [f64; EIGHT]>(self.best[ray / EIGHT])[ray % EIGHT];
+        let found = pulp::cast::<u64x8, [u64; EIGHT]>(self.found[ray / EIGHT])[ray % EIGHT];
+        (best, Found(found))
+    }
+
+    fn set(&mut self, ray: usize, best: f64, found: Found) {
+        let mut all: [f64; EIGHT] = pulp::cast(self.best[ray / EIGHT]);
+        all[ray % EIGHT] = best;
+        self.best[ray / EIGHT] = pulp::cast(all);
+        let mut all: [u64; EIGHT] = pulp::cast(self.found[ray / EIGHT]);
+        all[ray % EIGHT] = found.0;
+        self.found[ray / EIGHT] = pulp::cast(all);
+    }
+
+    /// A ray's search is over.
+    fn end(&mut self, rays: u32) {
+        self.over |= rays;
+        self.asking &= !rays;
+    }
+}
+
+/// The stacks of a search, kept from packet to packet.
+pub(super) struct PacketScratch<'g, K: Kernel> {
+    frames: Vec<Frame<'g, K>>,
+    ahead: Vec<Ahead>,
+    /// For rays that go on alone.
+    alone: Scratch<'g>,
+}
+
+impl<K: Kernel> Default for PacketScratch<'_, K> {
+    fn default() -> Self {
+        Self { frames: Vec::new(), ahead: Vec::new(), alone: Scratch::default() }
+    }
+}
+
+/// A cell that rays are in.
+struct Frame<'g, K: Kernel> {
+    rays: Rays<K>,
+    cell: &'g Cell,
+    way: Way,
+    /// The rays that start on (or in) a part of the cell,
+    starting: u32,
+    /// and which.
+    from: [u32; RAYS],
+    /// The rays whose numbers are too large for squares.
+    wild: u32,
+    /// As of when `rays.to` is.
+    changes: u32,
+    /// The least of where the rays begin, and the greatest of where nothing more is of interest.
+    from_least: f32,
+    to_most: f32,
+}
+
+/// How a cell was reached.
+#[derive(Clone, Copy)]
+struct Way {
+    state: u32,
+    called: Origin,
+    trail: u32,
+    position: u32,
+    levels: u32,
+}
+
+/// Rays in a cell.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Rays<K: Kernel> {
+    local: Halves<Locals<K::Lanes>>,
+    boxes: BoxRays,
+    /// Where each begins, and where nothing more is of interest.
+    from: f32x16,
+    to: f32x16,
+}
+
+/// Something still to be looked at, and by which rays.
+#[derive(Clone, Copy)]
+struct Ahead {
+    near: f32,
+    what: Ref,
+    frame: u32,
+    rays: u32,
+}
+
+type Stop = Box<Fault>;
+
+/// A search along a packet.
+pub(super) struct PacketSearch<'a, 'b, 's, 'g, 'q, K: Kernel> {
+    pub(super) tracing: &'a Tracing<'b, 's, K>,
+    pub(super) generation: &'g Generation,
+    pub(super) scratch: &'a mut PacketScratch<'g, K>,
+    pub(super) trails: &'a mut Trails,
+    pub(super) ask: &'a mut PacketAsk<'q>,
+}
+
+impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
+    /// Asks along rays of all that is in the scene's cell.
+    ///
+    /// # Errors
+    /// A fault that some of the rays have met.
+    #[inline(always)]
+    pub(super) fn search(
+        &mut self,
+        cell: &'g Cell,
+        state: u32,
+        rays: &[Ray; RAYS],
+        cell_from_world: &Inwards,
+    ) -> Result<(), Fault> {
+        self.scratch.frames.clear();
+        self.scratch.ahead.clear();
+        let (low, high) = rays.split_at(EIGHT);
+        let lanes = self.tracing.kernel.lanes();
+        let local = [Locals::of_world(lanes, low, cell_from_world), Locals::of_world(lanes, high, cell_from_world)];
+        let mut from = [NONE; RAYS];
+        let mut starting = 0;
+        for ray in lanes_of(self.ask.asking) {
+            from[ray] = start_part(self.ask.from[ray], 0);
+            starting |= u32::from(from[ray] != NONE) << ray;
+        }
+        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0 };
+        let boxes = BoxRays::new(self.tracing.kernel, &local, self.ask.asking);
+        let entry = Entry { cell, way, local, boxes, rays: self.ask.asking, starting, from };
+        let searched = match self.enter(entry) {
+            Ok(()) => self.run(),
+            Err(fault) => Err(fault),
+        };
+        match searched {
+            Ok(()) => Ok(()),
+            Err(fault) => Err(self.led(*fault)),
+        }
+    }
+
+    #[cold]
+    fn led(&self, fault: Fault) -> Fault {
+        let steps = self.scratch.frames.iter().map(|it| self.tracing.store.step(it.way.state, it.way.called));
+        led_by(fault, steps)
+    }
+
+    /// Looks at all that is ahead.
+    #[inline(always)]
+    fn run(&mut self) -> Result<(), Stop> {
+        while let Some(Ahead { what, frame, rays, near }) = self.scratch.ahead.pop() {
+            let rays = rays & self.ask.asking;
+            if rays == 0 {
+                continue;
+            }
+            self.scratch.frames.truncate(frame as usize + 1);
+            self.renew();
+            let Some(frame) = self.scratch.frames.last() else {
+                return Ok(());
+            };
+            if self.tracing.cull && near > frame.to_most {
+                continue;
+            }
+            let cell = frame.cell;
+            self.count_step()?;
+            if rays.count_ones() <= FEW {
+                self.go_alone(rays, what)?;
+                continue;
+            }
+            match what.named() {
+                Named::Node(node) => self.node(&cell.nodes[node as usize], rays),
+                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+                Named::Instance(instance) => self.instance(&cell.instances[instance as usize], rays)?,
+                Named::Boolean(_) => self.go_alone(rays, what)?,
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn count_step(&mut self) -> Result<(), Stop> {
+        self.ask.steps += 1;
+        let most = self.tracing.store.limits.steps;
+        if self.ask.steps > most { Err(Box::new(super::ask::too_many_steps(most))) } else { Ok(()) }
+    }
+
+    /// Each of the rays looks at something by itself.
+    fn go_alone(&mut self, rays: u32, what: Ref) -> Result<(), Stop> {
+        let Some(frame) = self.scratch.frames.last() else {
+            return Ok(());
+        };
+        let cell = frame.cell;
+        for ray in lanes_of(rays) {
+            let passage = frame.passage(ray);
+            let (best, found) = self.ask.found(ray);
+            let mut ask = Ask::new(self.ask.question, self.ask.from[ray], best, self.trails);
+            ask.found = found;
+            ask.steps = self.ask.steps;
+            let (tracing, generation, alone) = (self.tracing, self.generation, &mut self.scratch.alone);
+            tracing.kernel.vectorize(
+                #[inline(always)]
+                || tracing.search_in(generation, alone, &mut ask, Start { cell, passage }, what),
+            )?;
+            let Ask { best: nearer, found, over, .. } = ask;
+            if over {
+                self.ask.end(1 << ray);
+            }
+            if nearer < best || found != self.ask.found(ray).1 {
+                self.ask.set(ray, nearer, found);
+                self.ask.changes += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the last frame's `to` what it must be by what has been found.
+    #[inline(always)]
+    fn renew(&mut self) {
+        let Some(frame) = self.scratch.frames.last_mut() else {
+            return;
+        };
+        if frame.changes != self.ask.changes {
+            frame.changes = self.ask.changes;
+            frame.rays.renew(self.tracing.kernel, self.ask);
+            frame.to_most = most(self.tracing.kernel, frame.rays.to);
+        }
+    }
+
+    /// Goes into a cell.
+    #[inline(always)]
+    fn enter(&mut self, entry: Entry<'g, K>) -> Result<(), Stop> {
+        let Entry { cell, way, local, boxes, rays, starting, from } = entry;
+        let kernel = self.tracing.kernel;
+        let lanes = kernel.lanes();
+        let squares = [local[0].origin.dot(local[0].origin), local[1].origin.dot(local[1].origin)];
+        let below = |most: f64| {
+            let most = Wide::splat(lanes, most);
+            let (low, high) = (squares[0].lt(most), squares[1].lt(most));
+            kernel.bits(low.value) | kernel.bits(high.value) << EIGHT
+        };
+        let (near, tame) = (below(NEAR), below(TAME));
+        let zero = Wide::splat(lanes, 0.0);
+        let begin = [below_single(local[0].own(zero)), below_single(local[1].own(zero))];
+        let begin = kernel.narrow(begin[0].value, begin[1].value);
+        let mut all = Rays { local, boxes, from: begin, to: begin };
+        all.renew(kernel, self.ask);
+        let number = self.scratch.frames.len() as u32;
+        self.scratch.frames.push(Frame {
+            rays: all,
+            cell,
+            way,
+            starting,
+            from,
+            wild: !tame,
+            changes: self.ask.changes,
+            from_least: -most(kernel, lanes.neg_f32s(begin)),
+            to_most: most(kernel, all.to),
+        });
+        self.tracing.check_depth(way.levels.saturating_add(cell.levels), way.called)?;
+        let Some(union) = cell.unions.first() else {
+            return Ok(());
+        };
+        if let Some(root) = union.root {
+            let rays = if self.tracing.cull { rays & near } else { rays };
+            if rays != 0 {
+                let root = Ref::new(Named::Node(root));
+                self.scratch.ahead.push(Ahead { near: f32::NEG_INFINITY, what: root, frame: number, rays });
+            }
+        }
+        for what in union.always.iter().rev() {
+            self.scratch.ahead.push(Ahead { near: f32::NEG_INFINITY, what: *what, frame: number, rays });
+        }
+        Ok(())
+    }
+
+    /// Looks at the leaves of a node, and puts the rest on the stack, the nearest on top.
+    #[inline(always)]
+    fn node(&mut self, node: &Node, rays: u32) {
+        let Some(frame) = self.scratch.frames.last() else {
+            return;
+        };
+        let number = self.scratch.frames.len() as u32 - 1;
+        let (kernel, cell) = (self.tracing.kernel, frame.cell);
+        let (bits, near): Met = if self.tracing.cull {
+            frame.rays.boxes.may_meet(kernel, node, frame.from_least, frame.to_most)
+        } else {
+            (node.lanes(), [f32::NEG_INFINITY; WIDTH])
+        };
+        let (order, count) = in_order(bits, &near, self.ask.question);
+        let bottom = self.scratch.ahead.len();
+        for lane in &order[..count] {
+            let lane = usize::from(*lane);
+            self.renew();
+            let Some(frame) = self.scratch.frames.last() else {
+                return;
+            };
+            let mut met = rays & self.ask.asking;
+            if self.tracing.cull {
+                met &= frame.rays.boxes.meet(kernel, node, lane, frame.rays.from, frame.rays.to);
+            }
+            if met == 0 {
+                continue;
+            }
+            let what = node.inside[lane];
+            match what.named() {
+                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], met),
+                _ => self.scratch.ahead.push(Ahead { near: near[lane], what, frame: number, rays: met }),
+            }
+        }
+        self.scratch.ahead[bottom..].reverse();
+    }
+
+    /// Goes into a cell inside this one.
+    #[inline(always)]
+    fn instance(&mut self, instance: &Instance, rays: u32) -> Result<(), Stop> {
+        let Some(frame) = self.scratch.frames.last() else {
+            return Ok(());
+        };
+        let kernel = self.tracing.kernel;
+        let part = &frame.cell.parts[instance.part as usize];
+        let [low, high] = &frame.rays.local;
+        let local = [low.entered(&instance.way).0, high.entered(&instance.way).0];
+        let (state, called) = (instance.state, part.origin);
+        let position = frame.way.position + 1;
+        let mut from = [NONE; RAYS];
+        let mut starting = 0;
+        for ray in lanes_of(frame.starting & rays) {
+            if frame.from[ray] == instance.part {
+                from[ray] = start_part(self.ask.from[ray], position as usize);
+                starting |= 1 << ray;
+            }
+        }
+        let levels = frame.way.levels + part.levels;
+        let cell = match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => self.made(state, called)?,
+        };
+        let Some(cell) = cell else {
+            return self.go_alone(rays, Ref::new(Named::Instance(instance_number(frame.cell, instance))));
+        };
+        let boxes = if instance.way.is_straight() {
+            frame.rays.boxes.moved(kernel, &local, rays)
+        } else {
+            BoxRays::new(kernel, &local, rays)
+        };
+        let trail = self.trails.on(frame.way.trail, instance.part);
+        let way = Way { state, called, trail, position, levels };
+        self.enter(Entry { cell, way, local, boxes, rays, starting, from })
+    }
+
+    /// A cell that is not there yet; none if there is no room to keep it.
+    #[cold]
+    #[inline(never)]
+    fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
+        let store = self.tracing.store;
+        let made = store.cell(self.generation, state);
+        made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(state, called)))))
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+        let Some(frame) = self.scratch.frames.last() else {
+            return;
+        };
+        let mut apart = rays & frame.wild;
+        for ray in lanes_of(frame.starting & rays) {
+            apart |= u32::from(frame.from[ray] == leaf.part) << ray;
+        }
+        let together = rays & !apart;
+        match leaf.shape {
+            LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
+            LeafShape::Convex(_) => {}
+            LeafShape::Other(_) => apart = rays,
+        }
+        if apart != 0 {
+            self.leaf_apart(cell, leaf, apart);
+        }
+    }
+
+    /// What rays meet of a convex leaf; gives those that have to ask one by one.
+    #[inline(always)]
+    fn convex(&mut self, leaf: &Leaf, convex: &Convex, rays: u32) -> u32 {
+        let Some(frame) = self.scratch.frames.last() else {
+            return 0;
+        };
+        let kernel = self.tracing.kernel;
+        let lanes = kernel.lanes();
+        let zero = Wide::splat(lanes, 0.0);
+        let mark = Found::new(Mark { trail: frame.way.trail, part: leaf.part, face: 0 }, false);
+        let (mut over, mut nearer, mut ties, mut odd) = (0, 0, 0, 0);
+        for half in 0..2 {
+            let rays = rays >> (half * EIGHT) & 0xff;
+            if rays == 0 {
+                continue;
+            }
+            let local = &frame.rays.local[half];
+            let pieces = convex.pieces(lanes, &local.lines(&leaf.leaf_from_cell));
+            let asking = Mask::new(lanes, kernel.mask(rays));
+            odd |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
+            let met = pieces.met & asking;
+            let near = local.world(pieces.near.t);
+            match self.ask.question {
+                Question::Any => {
+                    let mut hit = near.gt(zero);
+                    if leaf.solid {
+                        let far = local.world(pieces.far.t);
+                        hit = hit | (far.gt(zero) & far.lt(Wide::splat(lanes, f64::INFINITY)));
+                    }
+                    over |= kernel.bits((met & hit).value) << (half * EIGHT);
+                }
+                _ => {
+                    let best = Wide::new(lanes, self.ask.best[half]);
+                    let ahead = met & near.gt(zero);
+                    let closer = ahead & near.lt(best);
+                    let tie = ahead & near.equals(best);
+                    if leaf.solid {
+                        let inside = met & near.le(zero) & local.world(pieces.far.t).gt(zero);
+                        over |= kernel.bits(inside.value) << (half * EIGHT);
+                    }
+                    let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
+                    self.ask.best[half] = closer.select(near, best).value;
+                    self.ask.found[half] = closer.select_bits(found, self.ask.found[half]);
+                    nearer |= kernel.bits(closer.value);
+                    ties |= kernel.bits(tie.value) << (half * EIGHT);
+                }
+            }
+        }
+        self.ask.end(over);
+        self.ask.changes += u32::from(nearer != 0);
+        // Of two surfaces at one place the first written is seen: rare enough to be looked at alone.
+        odd | ties
+    }
+
+    /// Rays that look at a leaf one by one.
+    #[cold]
+    #[inline(never)]
+    fn leaf_apart(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+        let Some(frame) = self.scratch.frames.last() else {
+            return;
+        };
+        for ray in lanes_of(rays) {
+            let (best, found) = self.ask.found(ray);
+            let mut ask = Ask::new(self.ask.question, self.ask.from[ray], best, self.trails);
+            ask.found = found;
+            super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
+            let Ask { best: nearer, found: now, over, .. } = ask;
+            if over {
+                self.ask.end(1 << ray);
+            }
+            if nearer < best || now != found {
+                self.ask.set(ray, nearer, now);
+                self.ask.changes += 1;
+            }
+        }
+    }
+}
+
+/// Rays that go into a cell.
+struct Entry<'g, K: Kernel> {
+    cell: &'g Cell,
+    way: Way,
+    local: Halves<Locals<K::Lanes>>,
+    boxes: BoxRays,
+    rays: u32,
+    starting: u32,
+    from: [u32; RAYS],
+}
+
+impl<K: Kernel> Frame<'_, K> {
+    /// One of the rays by itself.
+    #[inline(always)]
+    fn passage(&self, ray: usize) -> Passage {
+        let Way { state, called, trail, position, levels } = self.way;
+        let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
+        let (boxes, from) = (self.rays.boxes.ray(ray), self.from[ray]);
+        Passage { state, called, ray: local, boxes, from, trail, position, levels }
+    }
+}
+
+impl<K: Kernel> Rays<K> {
+    /// Finds where on each ray nothing more is of interest.
+    #[inline(always)]
+    fn renew(&mut self, kernel: K, ask: &PacketAsk) {
+        let lanes = kernel.lanes();
+        let [low, high] = &self.local;
+        let low = above_single(low.own(Wide::new(lanes, ask.best[0])));
+        let high = above_single(high.own(Wide::new(lanes, ask.best[1])));
+        self.to = kernel.narrow(low.value, high.value);
+    }
+}
+
+/// As [`f32_below`](super::traverse::f32_below) of each lane.
+#[inline(always)]
+fn below_single<S: Simd>(x: Wide<S>) -> Wide<S> {
+    x - x.abs() * x.all(SINGLE) - x.all(f64::from(f32::MIN_POSITIVE))
+}
+
+/// As [`f32_above`](super::traverse::f32_above) of each lane.
+#[inline(always)]
+fn above_single<S: Simd>(x: Wide<S>) -> Wide<S> {
+    x + x.abs() * x.all(SINGLE) + x.all(f64::from(f32::MIN_POSITIVE))
+}
+
+/// The greatest of sixteen numbers; infinite if one of them is none.
+#[inline(always)]
+fn most<K: Kernel>(kernel: K, numbers: f32x16) -> f32 {
+    let lanes = kernel.lanes();
+    let all = kernel.bits16(lanes.equal_f32s(numbers, numbers)) == 0xffff;
+    if all { lanes.reduce_max_f32s(numbers) } else { f32::INFINITY }
+}
+
+/// The lanes that are set, by where rays come into their boxes; in no order if any hit will do.
+#[inline(always)]
+fn in_order(bits: u32, near: &[f32; WIDTH], question: Question) -> ([u8; WIDTH], usize) {
+    let mut order = [0; WIDTH];
+    let mut count = 0;
+    for lane in lanes_of(bits) {
+        let mut place = count;
+        if question != Question::Any {
+            while place > 0 && near[usize::from(order[place - 1])] > near[lane] {
+                order[place] = order[place - 1];
+                place -= 1;
+            }
+        }
+        order[place] = lane as u8;
+        count += 1;
+    }
+    (order, count)
+}
+
+fn instance_number(cell: &Cell, instance: &Instance) -> u32 {
+    match cell.parts[instance.part as usize].member.named() {
+        Named::Instance(number) => number,
+        _ => 0,
+    }
+}

@@ -11,12 +11,15 @@ use treegen_runtime::form::Scene;
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::trace::{Fragment, Sample, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Fragment, Seen, SurfaceRay, Tracer};
+
+/// What one ray saw.
+type Sample = Vec<Fragment>;
 
 fn look(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    tracer.look(rays, &mut samples).expect("these scenes have no faults");
-    samples
+    let mut seen = Seen::default();
+    tracer.look(rays, &mut seen).expect("these scenes have no faults");
+    seen.rays().map(<[Fragment]>::to_vec).collect()
 }
 
 fn blocked(tracer: &dyn Tracer, rays: &[SurfaceRay]) -> Vec<bool> {
@@ -26,7 +29,7 @@ fn blocked(tracer: &dyn Tracer, rays: &[SurfaceRay]) -> Vec<bool> {
 }
 
 fn same(a: &Sample, b: &Sample) -> bool {
-    match (a.fragments.first(), b.fragments.first()) {
+    match (a.first(), b.first()) {
         (None, None) => true,
         (Some(a), Some(b)) => {
             a.origin == b.origin
@@ -45,12 +48,12 @@ fn is_steady(reference: &Reference, ray: &Ray) -> bool {
     let mut rays = vec![*ray];
     rays.extend(beside.map(|it| Ray { origin: ray.origin + it * 4e-6, ..*ray }));
     let seen = look(reference, &rays);
-    let what = |it: &Sample| it.fragments.first().map(|it| (it.origin, it.route, it.site.clone()));
+    let what = |it: &Sample| it.first().map(|it| (it.origin, it.route, it.site.clone()));
     seen.iter().all(|it| what(it) == what(&seen[0]))
 }
 
 fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceRay> {
-    let hits = samples.iter().filter_map(|it| it.fragments.first());
+    let hits = samples.iter().filter_map(|it| it.first());
     let lit = hits.filter(|it: &&Fragment| it.normal.dot(direction) > 1e-3);
     lit.map(|it| SurfaceRay { ray: Ray { origin: it.position, direction }, from: it.site.clone() }).collect()
 }
@@ -127,7 +130,7 @@ fn along_an_axis_a_sierpinski_tetrahedron_is_a_full_square_at_the_depth_in_close
         }
         for samples in seen {
             for ((x, y), sample) in places.iter().zip(samples) {
-                let hit = sample.fragments.first().expect("the square has no hole");
+                let hit = sample.first().expect("the square has no hole");
                 let expected = sierpinski_top(order, *x, *y);
                 assert!(
                     (hit.position.z - expected).abs() < 1e-12,
@@ -147,7 +150,7 @@ fn from_the_front_a_menger_sponge_lights_eight_to_its_order_squares() {
         let side = 3u32.pow(order) * 3;
         let place = |it: u32| (f64::from(it) + 0.5) / f64::from(side) * 2.0 - 1.0;
         let rays: Vec<Ray> = (0..side).flat_map(|y| (0..side).map(move |x| from_above(place(x), place(y)))).collect();
-        let lit = look(&cells, &rays).iter().filter(|it| !it.fragments.is_empty()).count();
+        let lit = look(&cells, &rays).iter().filter(|it| !it.is_empty()).count();
         assert_eq!(lit, 8usize.pow(order) * 9, "order {order}");
     }
 }

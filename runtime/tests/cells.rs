@@ -11,21 +11,24 @@ use glam::{DAffine3, DVec3};
 use treegen_runtime::form::{BinaryOp, Node, PrimitiveKind, Scene, Slot, TransformKind};
 use treegen_runtime::geometry::{Primitive, Ray};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
-use treegen_runtime::trace::{Sample, Site, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Fragment, Seen, Site, SurfaceRay, Tracer};
 use treegen_runtime::{Fault, FaultKind, Limit, Limits};
 
 fn tracer<'s>(scene: &'s Scene, limits: &Limits, culling: Culling) -> CellTracer<'s> {
     CellTracer::new(scene, limits, culling).expect("the scene has bounds")
 }
 
+/// What one ray saw.
+type Sample = Vec<Fragment>;
+
 fn look(tracer: &CellTracer, rays: &[Ray]) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    tracer.look(rays, &mut samples).expect("no fault");
-    samples
+    let mut seen = Seen::default();
+    tracer.look(rays, &mut seen).expect("no fault");
+    seen.rays().map(<[Fragment]>::to_vec).collect()
 }
 
 fn depth(sample: &Sample) -> Option<f64> {
-    sample.fragments.first().map(|it| it.depth)
+    sample.first().map(|it| it.depth)
 }
 
 /// All that a sample says, to the bit: numbers, route and site of each fragment.
@@ -33,7 +36,7 @@ type Bits = Vec<(Vec<u64>, u64, Site)>;
 
 fn bits(sample: &Sample) -> Bits {
     let of = |it: DVec3| it.to_array().map(f64::to_bits);
-    let fragments = sample.fragments.iter();
+    let fragments = sample.iter();
     fragments
         .map(|it| {
             let numbers = [[it.depth.to_bits(), it.coverage.to_bits(), 0], of(it.position), of(it.normal)].concat();
@@ -44,7 +47,7 @@ fn bits(sample: &Sample) -> Bits {
 
 fn shadow_rays(samples: &[Sample]) -> Vec<SurfaceRay> {
     let direction = DVec3::new(0.3, 0.4, 0.6);
-    let hits = samples.iter().filter_map(|it| it.fragments.first());
+    let hits = samples.iter().filter_map(|it| it.first());
     hits.map(|it| SurfaceRay { ray: Ray { origin: it.position, direction }, from: it.site.clone() }).collect()
 }
 
@@ -312,7 +315,7 @@ fn from_inside_one_sees_where_the_union_ends() {
     let scene = chain(4.0, 1.5, 1.0, PrimitiveKind::Sphere);
     let tracer = tracer(&scene, &Limits::default(), Culling::State);
     let samples = look(&tracer, &[Ray { origin: DVec3::ZERO, direction: DVec3::Z }]);
-    let hit = samples[0].fragments.first().expect("the last ball ends");
+    let hit = samples[0].first().expect("the last ball ends");
     assert!((hit.depth - 7.0).abs() < 1e-12);
     assert!((hit.normal - DVec3::Z).length() < 1e-12, "outwards: {:?}", hit.normal);
 }
@@ -336,7 +339,7 @@ fn of_surfaces_at_one_place_the_first_written_is_seen() {
             .collect();
         let seen = look(&tracer(&scene, &Limits::default(), Culling::State), &rays);
         let first = if swapped { 2 } else { 1 };
-        assert!(seen.iter().all(|it| it.fragments[0].material.is_some_and(|it| it.0 == first)));
+        assert!(seen.iter().all(|it| it[0].material.is_some_and(|it| it.0 == first)));
     }
 }
 
@@ -358,7 +361,7 @@ fn no_ray_outwards_meets_the_surface_it_starts_on() {
     let scene = b.scene(start);
     let tracer = tracer(&scene, &Limits::default(), Culling::State);
     let samples = look(&tracer, &common::ray_bundle(64, 1.0));
-    let hits: Vec<_> = samples.iter().filter_map(|it| it.fragments.first()).collect();
+    let hits: Vec<_> = samples.iter().filter_map(|it| it.first()).collect();
     assert!(hits.len() > 300, "{}", hits.len());
     // The very short way out along the normal is free, wherever the surface is seen.
     let outwards = hits.iter().map(|it| Ray { origin: it.position, direction: it.normal });
@@ -367,7 +370,7 @@ fn no_ray_outwards_meets_the_surface_it_starts_on() {
     let mut blocked = Vec::new();
     tracer.blocked(&rays, &mut blocked).expect("no fault");
     for ((blocked, sample), ray) in blocked.iter().zip(look(&tracer, &back)).zip(&rays) {
-        assert_eq!(*blocked, !sample.fragments.is_empty(), "{ray:?}");
+        assert_eq!(*blocked, !sample.is_empty(), "{ray:?}");
     }
 }
 
@@ -381,7 +384,7 @@ fn a_fault_is_that_of_the_lowest_ray() {
     let scene = b.scene(cut);
     let tracer = tracer(&scene, &Limits::default(), Culling::State);
     let ray = |x| Ray { origin: DVec3::new(x, 0.0, 5.0), direction: DVec3::NEG_Z };
-    let fault = tracer.look(&[ray(4.0), ray(3.0), ray(0.1), ray(0.2)], &mut Vec::new()).expect_err("it is open");
+    let fault = tracer.look(&[ray(4.0), ray(3.0), ray(0.1), ray(0.2)], &mut Seen::default()).expect_err("it is open");
     assert_eq!(fault.ray, 2);
     assert_eq!(fault.fault.kind, FaultKind::Open(PrimitiveKind::Triangle));
 }
@@ -396,7 +399,7 @@ fn rays_that_are_no_numbers_meet_nothing() {
             Ray { origin: DVec3::ZERO, direction: DVec3::new(0.0, bad, 1.0) },
             Ray { origin: DVec3::ZERO, direction: DVec3::ZERO },
         ];
-        assert!(look(&tracer, &rays).iter().all(|it| it.fragments.is_empty()));
+        assert!(look(&tracer, &rays).iter().all(|it| it.is_empty()));
     }
 }
 

@@ -8,8 +8,10 @@
 use glam::DVec3;
 use pulp::Simd;
 
+use super::flat;
 use super::frustum::{BOTTOM, SIDE, TOP};
 use super::primitive::Primitive;
+use super::ray::Ray;
 use crate::lanes::{Mask, Wide, Wide3};
 
 /// A primitive that a line meets in one chord at most, or in one crossing.
@@ -74,6 +76,30 @@ impl Convex {
         };
         pieces.met = pieces.met & !pieces.odd;
         pieces
+    }
+
+    /// Whether a ray that starts on a face leaves the solid for good: it goes out of a convex solid, and so never meets it again.
+    pub(crate) fn is_left_by(&self, face: u8, ray: &Ray) -> bool {
+        self.is_solid() && self.outwards(face, ray.origin).dot(ray.direction) > 0.0
+    }
+
+    /// A vector along the outward normal of a face, not of length 1.
+    fn outwards(&self, face: u8, point: DVec3) -> DVec3 {
+        match *self {
+            Self::Ball => point,
+            Self::Cylinder | Self::Cone { .. } if face == BOTTOM => DVec3::NEG_Z,
+            Self::Cylinder | Self::Cone { .. } if face == TOP => DVec3::Z,
+            Self::Cylinder => point.with_z(0.0),
+            Self::Cone { r0, r1 } => point.with_z((r0 - r1) * (r0 + (r1 - r0) * point.z)),
+            Self::Cube => flat::cube_normal(face),
+            Self::Tetrahedron => flat::tetrahedron_normal(face),
+            Self::HalfSpace { normal, .. } => normal,
+            Self::Triangle => DVec3::Z,
+        }
+    }
+
+    fn is_solid(&self) -> bool {
+        !matches!(self, Self::Triangle)
     }
 
     /// The greatest of the numbers that make it.

@@ -102,7 +102,9 @@ impl Primitive {
             Shape::Tetrahedron => Convex::Tetrahedron,
             Shape::Triangle => Convex::Triangle,
             Shape::HalfSpace(HalfSpace { normal, offset }) => Convex::HalfSpace { normal, offset },
-            Shape::Hyperboloid { .. } | Shape::Paraboloid { .. } | Shape::Torus { .. } | Shape::Quadric(_) => return None,
+            Shape::Hyperboloid { .. } | Shape::Paraboloid { .. } | Shape::Torus { .. } | Shape::Quadric(_) => {
+                return None;
+            }
         };
         Some((convex, DVec3::ONE))
     }
@@ -227,6 +229,20 @@ impl Primitive {
         match self.shape {
             Shape::Triangle if from.is_none() => flat::triangle(ray),
             _ => None,
+        }
+    }
+
+    /// Whether the normal of a face is the same all over it.
+    pub(crate) fn is_flat(&self, face: u8) -> bool {
+        match self.shape {
+            Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) => true,
+            Shape::Cylinder | Shape::Cone { .. } => face != frustum::SIDE,
+            Shape::Sphere
+            | Shape::Ellipsoid { .. }
+            | Shape::Torus { .. }
+            | Shape::Hyperboloid { .. }
+            | Shape::Paraboloid { .. }
+            | Shape::Quadric(_) => false,
         }
     }
 

@@ -127,8 +127,7 @@ impl Kernel for Plain {
 /// The bit of each lane.
 const EACH: u64x8 = u64x8(1, 2, 4, 8, 16, 32, 64, 128);
 /// The bit of each of sixteen lanes.
-const EACH16: pulp::u32x16 =
-    pulp::u32x16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+const EACH16: pulp::u32x16 = pulp::u32x16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {

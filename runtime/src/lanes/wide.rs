@@ -3,7 +3,7 @@
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use glam::{DAffine3, DMat3, DVec3};
-use pulp::Simd;
+use pulp::{Simd, f64x8};
 
 use super::One;
 
@@ -106,8 +106,13 @@ impl<S: Simd> Wide3<S> {
     /// The same vector in all lanes.
     #[inline(always)]
     pub(crate) fn splat(lanes: S, value: DVec3) -> Self {
-        let part = |it| Wide::splat(lanes, it);
-        Self { x: part(value.x), y: part(value.y), z: part(value.z) }
+        Self { x: Wide::splat(lanes, value.x), y: Wide::splat(lanes, value.y), z: Wide::splat(lanes, value.z) }
+    }
+
+    /// The same vector in all lanes, of the kind of another number.
+    #[inline(always)]
+    pub(crate) fn splat_like(any: Wide<S>, value: DVec3) -> Self {
+        Self::splat(any.lanes, value)
     }
 
     #[inline(always)]
@@ -119,15 +124,43 @@ impl<S: Simd> Wide3<S> {
     #[inline(always)]
     pub(crate) fn turned(self, matrix: &DMat3) -> Self {
         let (a, b, c) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
-        let row = |a: f64, b: f64, c: f64| self.x * self.x.all(a) + self.y * self.x.all(b) + self.z * self.x.all(c);
-        Self { x: row(a.x, b.x, c.x), y: row(a.y, b.y, c.y), z: row(a.z, b.z, c.z) }
+        Self {
+            x: self.dot(Self::splat(self.x.lanes, DVec3::new(a.x, b.x, c.x))),
+            y: self.dot(Self::splat(self.x.lanes, DVec3::new(a.y, b.y, c.y))),
+            z: self.dot(Self::splat(self.x.lanes, DVec3::new(a.z, b.z, c.z))),
+        }
     }
 
     /// A point mapped by a map.
     #[inline(always)]
     pub(crate) fn mapped(self, map: &DAffine3) -> Self {
-        let turned = self.turned(&map.matrix3);
-        turned + Self::splat(self.x.lanes, map.translation)
+        self.turned(&map.matrix3) + Self::splat(self.x.lanes, map.translation)
+    }
+}
+
+impl<S: Simd<f64s = f64x8>> Wide<S> {
+    /// The number of a lane.
+    #[inline(always)]
+    pub(crate) fn lane(self, lane: usize) -> f64 {
+        pulp::cast::<f64x8, [f64; 8]>(self.value)[lane]
+    }
+}
+
+impl<S: Simd<f64s = f64x8>> Wide3<S> {
+    /// Vectors given part by part.
+    #[inline(always)]
+    pub(crate) fn of_arrays(lanes: S, [x, y, z]: [[f64; 8]; 3]) -> Self {
+        Self {
+            x: Wide::new(lanes, pulp::cast(x)),
+            y: Wide::new(lanes, pulp::cast(y)),
+            z: Wide::new(lanes, pulp::cast(z)),
+        }
+    }
+
+    /// The vector of a lane.
+    #[inline(always)]
+    pub(crate) fn lane(self, lane: usize) -> DVec3 {
+        DVec3::new(self.x.lane(lane), self.y.lane(lane), self.z.lane(lane))
     }
 }
 

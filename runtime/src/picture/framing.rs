@@ -6,7 +6,7 @@ use super::camera::{Rays, half_span, upright};
 use crate::fault::Fault;
 use crate::form::{Camera, Lens};
 use crate::geometry::{Aabb, Ray};
-use crate::trace::Tracer;
+use crate::trace::{Seen, Tracer};
 
 /// How far the camera opens, in degrees.
 const FOV: f64 = 30.0;
@@ -73,17 +73,17 @@ fn probe(tracer: &dyn Tracer, camera: &Camera, bounds: &Aabb, width: u32, height
     // What stands on an endless ground ends where that begins: the ground around it is not to be framed.
     let low = bounds.min + DVec3::Z * ((bounds.max.z - bounds.min.z) * GROUND);
     let mut seen = Vec::new();
-    let mut samples = Vec::new();
+    let mut looked = Seen::default();
     for row in 0..PROBES {
         // Each row is shifted by the golden ratio, so that no upright pole stands between all rays.
         let shift = (f64::from(row) * 0.618_033_988_749_895).fract();
         let line: Vec<Ray> = (0..PROBES)
             .map(|column| rays.through((f64::from(column) + shift) * spacing.x, (f64::from(row) + 0.5) * spacing.y))
             .collect();
-        if tracer.look(&line, &mut samples).is_err() {
+        if tracer.look(&line, &mut looked).is_err() {
             return Vec::new();
         }
-        let hits = samples.iter().flat_map(|sample| &sample.fragments).map(|fragment| fragment.position);
+        let hits = looked.fragments().iter().map(|fragment| fragment.position);
         seen.extend(hits.filter(|hit| hit.cmpge(low).all() && hit.cmple(bounds.max).all()));
     }
     seen

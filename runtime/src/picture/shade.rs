@@ -1,4 +1,4 @@
-//! Shading: what the samples of a batch look like. One deferred pass, which does not know which tracer filled them.
+//! Shading: what the rays of a batch look like. One deferred pass, which does not know which tracer filled them.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::eval::spread;
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Material, Scene};
 use crate::geometry::Ray;
-use crate::trace::{Fragment, RayFault, Sample, SurfaceRay, Tracer};
+use crate::trace::{Fragment, RayFault, Seen, SurfaceRay, Tracer};
 
 /// More light than this says nothing more; it keeps sums finite.
 const BRIGHTEST: f64 = 1e6;
@@ -54,22 +54,17 @@ struct Gloss {
 /// Room for shading one batch after another.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
+    /// The ray of each fragment.
+    owners: Vec<u32>,
     shadow_rays: Vec<SurfaceRay>,
-    owners: Vec<Owner>,
+    /// The fragment of each shadow ray.
+    aimed: Vec<u32>,
     blocked: Vec<bool>,
     lit: Vec<Lit>,
     /// The batch's colours, premultiplied.
     pub(super) colors: Vec<[f32; 4]>,
     /// How many shadow rays were traced so far.
     pub(super) shadow_count: u64,
-}
-
-/// Whose shadow ray it is.
-#[derive(Clone, Copy, Debug)]
-struct Owner {
-    sample: usize,
-    fragment: usize,
-    light: Lit,
 }
 
 /// The light of suns on a fragment.
@@ -85,7 +80,7 @@ impl Shader {
         Self { lights, paints }
     }
 
-    /// Shades a batch into `scratch.colors`. The samples lose their sites.
+    /// Shades a batch into `scratch.colors`. The fragments lose their sites.
     ///
     /// # Errors
     /// The fault of the lowest ray that meets one.
@@ -94,56 +89,65 @@ impl Shader {
         tracer: &dyn Tracer,
         rays: &[Ray],
         keys: &[Key],
-        samples: &mut [Sample],
+        seen: &mut Seen,
         scratch: &mut Scratch,
     ) -> Result<(), RayFault> {
-        check(samples)?;
-        let fragments = samples.iter().map(|sample| sample.fragments.len()).sum();
+        check(seen)?;
+        scratch.own(seen);
         scratch.lit.clear();
-        scratch.lit.resize(fragments, Lit::default());
+        scratch.lit.resize(seen.fragments().len(), Lit::default());
         for sun in 0..self.lights.suns.len() {
-            self.aim(sun, rays, keys, samples, scratch);
+            self.aim(sun, keys, seen, scratch);
             scratch.trace(tracer)?;
+            self.light(sun, rays, seen, scratch);
         }
-        self.compose(rays, samples, scratch);
+        self.compose(rays, seen, scratch);
         Ok(())
     }
 
     /// Collects the shadow rays of one sun, of all fragments that face it.
-    fn aim(&self, sun_number: usize, rays: &[Ray], keys: &[Key], samples: &mut [Sample], scratch: &mut Scratch) {
+    fn aim(&self, sun_number: usize, keys: &[Key], seen: &mut Seen, scratch: &mut Scratch) {
         let sun = &self.lights.suns[sun_number];
         let last = sun_number + 1 == self.lights.suns.len();
         scratch.shadow_rays.clear();
-        scratch.owners.clear();
-        let mut fragments = 0..;
-        for (number, ((sample, key), ray)) in samples.iter_mut().zip(keys).zip(rays).enumerate() {
-            for (fragment, fragment_number) in sample.fragments.iter_mut().zip(&mut fragments) {
-                let cosine = fragment.normal.dot(sun.toward);
-                if cosine <= 0.0 {
-                    continue;
-                }
-                // The last sun takes the site instead of copying it.
-                let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
-                let direction = sun.direction(key.pixel, key.sample);
-                scratch.shadow_rays.push(SurfaceRay { ray: Ray { origin: fragment.position, direction }, from });
-                let gloss = self
-                    .paint(fragment)
-                    .gloss
-                    .map_or(0.0, |gloss| gloss.highlight(fragment.normal, sun.toward, ray.direction));
-                let light = Lit { matt: sun.color * cosine, gloss: sun.color * gloss };
-                scratch.owners.push(Owner { sample: number, fragment: fragment_number, light });
+        scratch.aimed.clear();
+        for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&scratch.owners).enumerate() {
+            let cosine = fragment.normal.dot(sun.toward);
+            if cosine <= 0.0 {
+                continue;
+            }
+            // The last sun takes the site instead of copying it.
+            let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
+            let Key { pixel, sample, .. } = keys[*owner as usize];
+            let direction = sun.direction(pixel, sample);
+            scratch.shadow_rays.push(SurfaceRay { ray: Ray { origin: fragment.position, direction }, from });
+            scratch.aimed.push(number as u32);
+        }
+    }
+
+    /// Lights the fragments whose shadow rays met nothing.
+    fn light(&self, sun_number: usize, rays: &[Ray], seen: &Seen, scratch: &mut Scratch) {
+        let sun = &self.lights.suns[sun_number];
+        for (number, _) in scratch.aimed.iter().zip(&scratch.blocked).filter(|(_, blocked)| !**blocked) {
+            let number = *number as usize;
+            let fragment = &seen.fragments()[number];
+            let lit = &mut scratch.lit[number];
+            lit.matt += sun.color * fragment.normal.dot(sun.toward);
+            if let Some(gloss) = self.paint(fragment).gloss {
+                let direction = rays[scratch.owners[number] as usize].direction;
+                lit.gloss += sun.color * gloss.highlight(fragment.normal, sun.toward, direction);
             }
         }
     }
 
-    /// Adds up each sample's fragments from front to back, and what lies behind them.
-    fn compose(&self, rays: &[Ray], samples: &[Sample], scratch: &mut Scratch) {
+    /// Adds up each ray's fragments from front to back, and what lies behind them.
+    fn compose(&self, rays: &[Ray], seen: &Seen, scratch: &mut Scratch) {
         scratch.colors.clear();
         let mut lit = scratch.lit.iter();
-        for (sample, ray) in samples.iter().zip(rays) {
+        for (fragments, ray) in seen.rays().zip(rays) {
             let mut color = DVec3::ZERO;
             let mut open = 1.0;
-            for (fragment, lit) in sample.fragments.iter().zip(&mut lit) {
+            for (fragment, lit) in fragments.iter().zip(&mut lit) {
                 let coverage = within(fragment.coverage, 1.0);
                 color += self.seen(fragment, lit, ray) * (open * coverage);
                 open *= 1.0 - coverage;
@@ -179,23 +183,25 @@ impl Shader {
 }
 
 impl Scratch {
-    /// Traces the shadow rays, and lights the fragments whose rays meet nothing.
+    /// Notes which ray each fragment belongs to.
+    fn own(&mut self, seen: &Seen) {
+        self.owners.clear();
+        for (ray, fragments) in seen.rays().enumerate() {
+            self.owners.extend(fragments.iter().map(|_| ray as u32));
+        }
+    }
+
+    /// Traces the shadow rays.
     fn trace(&mut self, tracer: &dyn Tracer) -> Result<(), RayFault> {
+        self.blocked.clear();
         if self.shadow_rays.is_empty() {
             return Ok(());
         }
         self.shadow_count += self.shadow_rays.len() as u64;
-        let owners = &self.owners;
-        tracer.blocked(&self.shadow_rays, &mut self.blocked).map_err(|fault| {
-            let ray = owners.get(fault.ray).map_or(0, |owner| owner.sample);
-            RayFault { ray, fault: fault.fault }
-        })?;
-        for (owner, _) in owners.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
-            let lit = &mut self.lit[owner.fragment];
-            lit.matt += owner.light.matt;
-            lit.gloss += owner.light.gloss;
-        }
-        Ok(())
+        tracer.blocked(&self.shadow_rays, &mut self.blocked).map_err(|RayFault { ray, fault }| {
+            let fragment = self.aimed.get(ray).map_or(0, |it| *it as usize);
+            RayFault { ray: self.owners.get(fragment).map_or(0, |it| *it as usize), fault }
+        })
     }
 }
 
@@ -253,15 +259,16 @@ fn uniform(bits: u64) -> f64 {
 }
 
 /// Looks whether all that was seen is somewhere.
-fn check(samples: &[Sample]) -> Result<(), RayFault> {
-    for (ray, sample) in samples.iter().enumerate() {
-        for fragment in &sample.fragments {
-            // Infinities of both signs add up to what is no number, which is not finite either.
-            if !(fragment.position + fragment.normal).element_sum().is_finite() {
-                let kind = FaultKind::NotANumber { operation: "hit", operands: Vec::new() };
-                return Err(RayFault { ray, fault: Fault::new(kind, fragment.origin) });
-            }
-        }
+fn check(seen: &Seen) -> Result<(), RayFault> {
+    // Infinities of both signs add up to what is no number, which is not finite either.
+    let is_somewhere = |it: &Fragment| (it.position + it.normal).element_sum().is_finite();
+    if seen.fragments().iter().all(is_somewhere) {
+        return Ok(());
     }
-    Ok(())
+    let lost = |fragments: &[Fragment]| fragments.iter().find(|it| !is_somewhere(it)).map(|it| it.origin);
+    let Some((ray, origin)) = seen.rays().enumerate().find_map(|(ray, it)| Some((ray, lost(it)?))) else {
+        return Ok(());
+    };
+    let kind = FaultKind::NotANumber { operation: "hit", operands: Vec::new() };
+    Err(RayFault { ray, fault: Fault::new(kind, origin) })
 }

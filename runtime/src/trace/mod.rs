@@ -1,7 +1,7 @@
 //! Ray tracing: what a ray meets first.
 //!
 //! There are two tracers of one shape. [`reference`] walks the graph by the book (GT95, section 3): slow, short, obviously right.
-//! The other is fast and goes through states and cells. Whoever shades cannot tell which one filled a [`Sample`].
+//! The other is fast and goes through states and cells. Whoever shades cannot tell which one it was that saw.
 
 pub mod cells;
 mod expand;
@@ -19,11 +19,60 @@ use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Ray};
 use glam::DVec3;
 
-/// What one ray saw: fragments from front to back, the last one opaque. Empty when it met nothing.
+/// What rays saw: for each a list of fragments from front to back, ended by an opaque one, or empty where it met nothing.
 #[derive(Clone, Debug, Default)]
-pub struct Sample {
-    /// The fragments.
-    pub fragments: SmallVec<[Fragment; 1]>,
+pub struct Seen {
+    fragments: Vec<Fragment>,
+    /// For each ray, the number of fragments of all rays up to and with it.
+    ends: Vec<u32>,
+}
+
+impl Seen {
+    /// Forgets all rays.
+    pub fn clear(&mut self) {
+        self.fragments.clear();
+        self.ends.clear();
+    }
+
+    /// Adds a fragment to the ray that has not ended yet.
+    pub fn push(&mut self, fragment: Fragment) {
+        self.fragments.push(fragment);
+    }
+
+    /// Ends a ray: fragments from now on are the next one's.
+    pub fn end_ray(&mut self) {
+        self.ends.push(self.fragments.len() as u32);
+    }
+
+    /// How many rays have ended.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether no ray has ended.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// What each ray saw.
+    pub fn rays(&self) -> impl Iterator<Item = &[Fragment]> {
+        let mut start = 0;
+        self.ends.iter().map(move |end| {
+            let fragments = self.fragments.get(start..*end as usize).unwrap_or_default();
+            start = *end as usize;
+            fragments
+        })
+    }
+
+    /// The fragments of all rays, those of the first ray first.
+    pub fn fragments(&self) -> &[Fragment] {
+        &self.fragments
+    }
+
+    /// The fragments of all rays, to be changed.
+    pub fn fragments_mut(&mut self) -> &mut [Fragment] {
+        &mut self.fragments
+    }
 }
 
 /// A piece of surface that a ray met.
@@ -81,11 +130,11 @@ pub struct RayFault {
 
 /// Something that finds what rays meet. Rays come in batches, near ones together.
 pub trait Tracer: Sync {
-    /// What each of the rays sees: `samples` is cleared, then holds one sample a ray.
+    /// What each of the rays sees: `seen` is cleared first.
     ///
     /// # Errors
     /// The fault of the lowest ray that meets one.
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault>;
+    fn look(&self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault>;
 
     /// Whether each of the rays meets anything at all: `blocked` is cleared, then holds one answer a ray.
     ///

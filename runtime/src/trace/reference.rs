@@ -9,7 +9,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
-use super::{Fragment, RayFault, Route, Sample, Site, SurfaceRay, Tracer, expand};
+use super::{Fragment, RayFault, Route, Seen, Site, SurfaceRay, Tracer, expand};
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
@@ -54,21 +54,20 @@ impl<'s> Reference<'s> {
         Ok((line, walk.surfaces))
     }
 
-    fn see(&self, ray: &Ray) -> Result<Sample, Fault> {
+    fn see(&self, ray: &Ray) -> Result<Option<Fragment>, Fault> {
         let (line, surfaces) = self.walk(ray, None)?;
-        let mut sample = Sample::default();
-        if let Some((t, surface, flipped)) = line.first_after_start() {
-            sample.fragments.push(surfaces[surface as usize].fragment(ray, t, flipped));
-        }
-        Ok(sample)
+        let first = line.first_after_start();
+        Ok(first.map(|(t, surface, flipped)| surfaces[surface as usize].fragment(ray, t, flipped)))
     }
 }
 
 impl Tracer for Reference<'_> {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
+    fn look(&self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
         for (number, ray) in rays.iter().enumerate() {
-            samples.push(self.see(ray).map_err(|fault| RayFault { ray: number, fault })?);
+            let first = self.see(ray).map_err(|fault| RayFault { ray: number, fault })?;
+            first.into_iter().for_each(|it| seen.push(it));
+            seen.end_ray();
         }
         Ok(())
     }

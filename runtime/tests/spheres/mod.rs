@@ -5,7 +5,7 @@ use treegen_runtime::form::{
     Camera, Code, Graph, ImageSettings, Lens, Material, MaterialId, Node, NodeId, Origin, Scene, Sun, System, SystemId,
 };
 use treegen_runtime::geometry::{Aabb, Ray};
-use treegen_runtime::trace::{Fragment, RayFault, Sample, Site, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Fragment, RayFault, Seen, Site, SurfaceRay, Tracer};
 use treegen_runtime::{Fault, FaultKind};
 
 /// A sphere.
@@ -110,14 +110,14 @@ impl Sphere {
 }
 
 impl Tracer for Spheres {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
+    fn look(&self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
         for (number, ray) in rays.iter().enumerate() {
             if let Some(fault) = self.fault(ray) {
                 return Err(RayFault { ray: number, fault });
             }
-            let fragments = self.nearest(ray, None).map(|hit| self.fragment(ray, hit)).into_iter().collect();
-            samples.push(Sample { fragments });
+            self.nearest(ray, None).into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
+            seen.end_ray();
         }
         Ok(())
     }

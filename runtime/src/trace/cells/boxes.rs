@@ -20,7 +20,7 @@ use pulp::{Simd, f32x16};
 
 use super::ray::Locals;
 use crate::geometry::Aabb;
-use crate::lanes::{Kernel, Wide};
+use crate::lanes::{Kernel, Wide3};
 
 /// Boxes in a node.
 pub(super) const WIDTH: usize = 16;
@@ -81,6 +81,12 @@ impl Node {
         self.inside[lane] = inside;
     }
 
+    /// The planes of this number of all boxes.
+    #[inline(always)]
+    fn planes(&self, number: usize) -> f32x16 {
+        pulp::cast(self.planes[number])
+    }
+
     /// The lanes in use, one bit each.
     pub(super) fn lanes(&self) -> u32 {
         self.inside.iter().enumerate().fold(0, |bits, (lane, it)| bits | u32::from(!it.is_none()) << lane)
@@ -126,10 +132,9 @@ pub(super) fn meet<K: Kernel>(kernel: K, node: &Node, ray: &BoxRay, from: f32, t
         let (first, last) = ray.planes(axis);
         let origin = lanes.splat_f32s(ray.origin[axis]);
         let inverse = lanes.splat_f32s(ray.inverse[axis]);
-        let planes = |number: usize| pulp::cast::<[f32; WIDTH], f32x16>(node.planes[number]);
         // As the processor's own minimum and maximum do it: the second, unless the first is beyond.
-        near = lanes.max_f32s(near, lanes.mul_f32s(lanes.sub_f32s(planes(first), origin), inverse));
-        far = lanes.min_f32s(far, lanes.mul_f32s(lanes.sub_f32s(planes(last), origin), inverse));
+        near = lanes.max_f32s(near, lanes.mul_f32s(lanes.sub_f32s(node.planes(first), origin), inverse));
+        far = lanes.min_f32s(far, lanes.mul_f32s(lanes.sub_f32s(node.planes(last), origin), inverse));
     }
     (kernel.bits16(lanes.less_than_or_equal_f32s(near, far)), pulp::cast(near))
 }
@@ -150,7 +155,7 @@ struct Span {
     /// The origins that say where the first and where the last of the rays crosses a plane.
     first: f32,
     last: f32,
-    inverse: [f32; 2],
+    inverse: (f32, f32),
     /// As in [`BoxRay`].
     upper: u8,
     /// Whether all of them go the same way; else nothing can be said.
@@ -158,44 +163,37 @@ struct Span {
 }
 
 impl BoxRays {
+    /// No rays: to be filled.
+    pub(super) const BLANK: Self = {
+        let zero = f32x16(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        Self { origin: [zero; 3], inverse: [zero; 3], spans: [Span::BLANK; 3] }
+    };
+
     /// Of rays with directions of about length 1, of which those of `mask` count.
     #[inline(always)]
-    pub(super) fn new<K: Kernel>(kernel: K, rays: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
-        let [low, high] = rays;
-        let narrow = |low: Wide<K::Lanes>, high: Wide<K::Lanes>| kernel.narrow(low.value, high.value);
-        let inverse = [
-            inverse_of(kernel, narrow(low.direction.x, high.direction.x)),
-            inverse_of(kernel, narrow(low.direction.y, high.direction.y)),
-            inverse_of(kernel, narrow(low.direction.z, high.direction.z)),
-        ];
-        Self::with_inverse(kernel, rays, inverse, mask)
+    pub(super) fn new<K: Kernel>(kernel: K, [low, high]: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
+        let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
+        let [x, y, z] = narrow(kernel, low.direction, high.direction);
+        let inverse = [inverse_of(kernel, x), inverse_of(kernel, y), inverse_of(kernel, z)];
+        let origin = narrow(kernel, low.origin, high.origin);
+        let mut spans = [Span::BLANK; 3];
+        for axis in 0..3 {
+            spans[axis] = Span::new(reach(lanes, mask, origin[axis]), reach(lanes, mask, inverse[axis]));
+        }
+        Self { origin, inverse, spans }
     }
 
     /// Of rays with the same directions as these from other origins.
     #[inline(always)]
-    pub(super) fn moved<K: Kernel>(&self, kernel: K, rays: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
-        Self::with_inverse(kernel, rays, self.inverse, mask)
-    }
-
-    #[inline(always)]
-    fn with_inverse<K: Kernel>(
-        kernel: K,
-        [low, high]: &[Locals<K::Lanes>; 2],
-        inverse: [f32x16; 3],
-        mask: u32,
-    ) -> Self {
-        let origin = [
-            kernel.narrow(low.origin.x.value, high.origin.x.value),
-            kernel.narrow(low.origin.y.value, high.origin.y.value),
-            kernel.narrow(low.origin.z.value, high.origin.z.value),
-        ];
-        let mask16 = kernel.mask16(mask);
-        let spans = [
-            Span::of(kernel, mask16, origin[0], inverse[0]),
-            Span::of(kernel, mask16, origin[1], inverse[1]),
-            Span::of(kernel, mask16, origin[2], inverse[2]),
-        ];
-        Self { origin, inverse, spans }
+    pub(super) fn moved<K: Kernel>(&self, kernel: K, [low, high]: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
+        let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
+        let origin = narrow(kernel, low.origin, high.origin);
+        let mut spans = self.spans;
+        for axis in 0..3 {
+            // The directions of fewer rays lie within the same bounds.
+            spans[axis] = Span::new(reach(lanes, mask, origin[axis]), spans[axis].inverse);
+        }
+        Self { origin, inverse: self.inverse, spans }
     }
 
     /// The boxes of a node that some of the rays may meet between two places, and a place before which none comes in.
@@ -210,22 +208,14 @@ impl BoxRays {
                 continue;
             }
             let upper = usize::from(span.upper);
-            let planes = |number: usize| pulp::cast::<[f32; WIDTH], f32x16>(node.planes[number]);
-            let first = lanes.sub_f32s(planes(axis + upper), lanes.splat_f32s(span.first));
-            let last = lanes.sub_f32s(planes(axis + 3 - upper), lanes.splat_f32s(span.last));
-            let [a, b] = span.inverse.map(
-                #[inline(always)]
-                |it| lanes.splat_f32s(it),
-            );
+            let first = lanes.sub_f32s(node.planes(axis + upper), lanes.splat_f32s(span.first));
+            let last = lanes.sub_f32s(node.planes(axis + 3 - upper), lanes.splat_f32s(span.last));
+            let (a, b) = (lanes.splat_f32s(span.inverse.0), lanes.splat_f32s(span.inverse.1));
             near = lanes.max_f32s(near, lanes.min_f32s(lanes.mul_f32s(first, a), lanes.mul_f32s(first, b)));
             far = lanes.min_f32s(far, lanes.max_f32s(lanes.mul_f32s(last, a), lanes.mul_f32s(last, b)));
         }
-        let [lower, upper] = [0, 3].map(
-            #[inline(always)]
-            |it| pulp::cast::<[f32; WIDTH], f32x16>(node.planes[it]),
-        );
         // If nothing can be said on any axis, boxes that are not there still are not.
-        let there = lanes.less_than_or_equal_f32s(lower, upper);
+        let there = lanes.less_than_or_equal_f32s(node.planes(0), node.planes(3));
         let met = lanes.and_m32s(there, lanes.less_than_or_equal_f32s(near, far));
         (kernel.bits16(met), pulp::cast(near))
     }
@@ -236,11 +226,10 @@ impl BoxRays {
         let lanes = kernel.lanes();
         let (mut near, mut far) = (from, to);
         for axis in 0..3 {
-            let place = |number: usize| {
-                let distance = lanes.sub_f32s(lanes.splat_f32s(node.planes[number][lane]), self.origin[axis]);
-                lanes.mul_f32s(distance, self.inverse[axis])
-            };
-            let (lower, upper) = (place(axis), place(axis + 3));
+            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+            let lower = lanes.sub_f32s(lanes.splat_f32s(node.planes[axis][lane]), origin);
+            let upper = lanes.sub_f32s(lanes.splat_f32s(node.planes[axis + 3][lane]), origin);
+            let (lower, upper) = (lanes.mul_f32s(lower, inverse), lanes.mul_f32s(upper, inverse));
             near = lanes.max_f32s(near, lanes.min_f32s(lower, upper));
             far = lanes.min_f32s(far, lanes.max_f32s(lower, upper));
         }
@@ -250,11 +239,23 @@ impl BoxRays {
     /// The ray of a lane.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize) -> BoxRay {
-        let number = |it: &f32x16| pulp::cast::<f32x16, [f32; WIDTH]>(*it)[lane];
-        let all = |it: &[f32x16; 3]| [number(&it[0]), number(&it[1]), number(&it[2])];
-        let inverse = all(&self.inverse);
-        BoxRay { origin: all(&self.origin), inverse, upper: inverse.map(upper) }
+        let (mut origin, mut inverse) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            origin[axis] = pulp::cast::<f32x16, [f32; WIDTH]>(self.origin[axis])[lane];
+            inverse[axis] = pulp::cast::<f32x16, [f32; WIDTH]>(self.inverse[axis])[lane];
+        }
+        BoxRay { origin, inverse, upper: [upper(inverse[0]), upper(inverse[1]), upper(inverse[2])] }
     }
+}
+
+/// Sixteen vectors in single precision.
+#[inline(always)]
+fn narrow<K: Kernel>(kernel: K, low: Wide3<K::Lanes>, high: Wide3<K::Lanes>) -> [f32x16; 3] {
+    [
+        kernel.narrow(low.x.value, high.x.value),
+        kernel.narrow(low.y.value, high.y.value),
+        kernel.narrow(low.z.value, high.z.value),
+    ]
 }
 
 /// The inverses of sixteen parts of directions.
@@ -263,25 +264,31 @@ fn inverse_of<K: Kernel>(kernel: K, direction: f32x16) -> f32x16 {
     let lanes = kernel.lanes();
     let (zero, one) = (lanes.splat_f32s(0.0), lanes.splat_f32s(1.0));
     let tiny = lanes.less_than_f32s(lanes.abs_f32s(direction), lanes.splat_f32s(LEAST));
-    let signs = lanes.select_f32s(lanes.less_than_f32s(direction, zero), lanes.splat_f32s(-LEAST), lanes.splat_f32s(LEAST));
+    let signs =
+        lanes.select_f32s(lanes.less_than_f32s(direction, zero), lanes.splat_f32s(-LEAST), lanes.splat_f32s(LEAST));
     lanes.div_f32s(one, lanes.select_f32s(tiny, signs, direction))
 }
 
 impl Span {
+    const BLANK: Self = Self { first: 0.0, last: 0.0, inverse: (0.0, 0.0), upper: 0, one_way: false };
+
+    /// Of origins and inverses between these bounds.
     #[inline(always)]
-    fn of<K: Kernel>(kernel: K, mask: <K::Lanes as Simd>::m32s, origin: f32x16, inverse: f32x16) -> Self {
-        let lanes = kernel.lanes();
-        let (least, most) = (lanes.splat_f32s(f32::NEG_INFINITY), lanes.splat_f32s(f32::INFINITY));
-        let low = |it: f32x16| lanes.reduce_min_f32s(lanes.select_f32s(mask, it, most));
-        let high = |it: f32x16| lanes.reduce_max_f32s(lanes.select_f32s(mask, it, least));
-        let (low_origin, high_origin) = (low(origin), high(origin));
-        let inverse = [low(inverse), high(inverse)];
-        let one_way = inverse[0] > 0.0 || inverse[1] < 0.0;
-        let upper = upper(inverse[1]);
+    fn new((low, high): (f32, f32), inverse: (f32, f32)) -> Self {
+        let one_way = inverse.0 > 0.0 || inverse.1 < 0.0;
+        let upper = upper(inverse.1);
         // Rays that go up meet a plane the earlier the higher they start.
-        let (first, last) = if upper == 0 { (high_origin, low_origin) } else { (low_origin, high_origin) };
+        let (first, last) = if upper == 0 { (high, low) } else { (low, high) };
         Self { first, last, inverse, upper, one_way }
     }
+}
+
+/// The least and the greatest of the numbers that count.
+#[inline(always)]
+fn reach<S: Simd<f32s = f32x16>>(lanes: S, mask: S::m32s, numbers: f32x16) -> (f32, f32) {
+    let (least, most) = (lanes.splat_f32s(f32::NEG_INFINITY), lanes.splat_f32s(f32::INFINITY));
+    let low = lanes.reduce_min_f32s(lanes.select_f32s(mask, numbers, most));
+    (low, lanes.reduce_max_f32s(lanes.select_f32s(mask, numbers, least)))
 }
 
 /// The numbers of the bits that are set.

@@ -33,10 +33,10 @@ use self::boxes::BoxRay;
 use self::cell::Cell;
 use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
 use self::ray::{Inwards, Local};
-use self::resolve::Hit;
+use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
 use self::traverse::{Passage, Scratch, Start, Tracing};
-use super::{RayFault, Sample, SurfaceRay, Tracer};
+use super::{RayFault, Seen, SurfaceRay, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
@@ -91,10 +91,9 @@ pub fn finite_bounds(scene: &Scene, limits: &Limits) -> Result<Aabb, Fault> {
 }
 
 impl Tracer for CellTracer<'_> {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
-        samples.reserve(rays.len());
-        dispatch(Look { tracer: self, rays, samples })
+    fn look(&self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        dispatch(Look { tracer: self, rays, seen })
     }
 
     fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
@@ -111,7 +110,7 @@ impl Tracer for CellTracer<'_> {
 struct Look<'a, 's> {
     tracer: &'a CellTracer<'s>,
     rays: &'a [Ray],
-    samples: &'a mut Vec<Sample>,
+    seen: &'a mut Seen,
 }
 
 impl Task for Look<'_, '_> {
@@ -119,16 +118,15 @@ impl Task for Look<'_, '_> {
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, rays, samples } = self;
-        while samples.len() < rays.len() {
+        let Self { tracer, rays, seen } = self;
+        while seen.len() < rays.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            while samples.len() < rays.len() {
-                let start = samples.len();
+            while seen.len() < rays.len() {
+                let start = seen.len();
                 let packet = &rays[start..rays.len().min(start + RAYS)];
-                samples.resize_with(start + packet.len(), Sample::default);
                 caster
-                    .look_all(packet, &mut samples[start..])
+                    .look_all(packet, seen)
                     .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
@@ -177,6 +175,7 @@ struct Caster<'a, 's, 'g, K: Kernel> {
     together: PacketScratch<'g, K>,
     alone: Scratch<'g>,
     trails: Trails,
+    resolver: Resolver<'a, 's, 'g>,
 }
 
 impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
@@ -189,24 +188,25 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             together: PacketScratch::default(),
             alone: Scratch::default(),
             trails: Trails::default(),
+            resolver: Resolver::new(&tracer.store, generation, tracer.root, &tracer.cell_from_world),
         }
     }
 
     /// What the rays of a packet see.
     #[inline(always)]
-    fn look_all(&mut self, rays: &[Ray], samples: &mut [Sample]) -> Result<(), RayFault> {
+    fn look_all(&mut self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
         let mut ask = PacketAsk::new(Question::Nearest, all_of(rays.len()), [None; RAYS]);
         if rays.len() == 1 || !self.ask_together(&mut ask, |lane| rays[lane.min(rays.len() - 1)]) {
-            return self.look_each(rays, samples);
+            return self.look_each(rays, seen);
         }
-        for (number, (ray, sample)) in rays.iter().zip(samples).enumerate() {
-            let seen = if ask.over >> number & 1 == 1 {
-                self.look_out(ray, sample)
+        for (number, ray) in rays.iter().enumerate() {
+            let looked = if ask.over >> number & 1 == 1 {
+                self.look_out(ray, seen)
             } else {
                 let (depth, found) = ask.found(number);
-                self.resolve(ray, depth, found, sample)
+                self.see(&Hit { ray, depth, found }, seen)
             };
-            seen.map_err(|fault| RayFault { ray: number, fault })?;
+            looked.map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
@@ -214,33 +214,49 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// What rays see, one after another: the first that meets a fault is the lowest.
     #[cold]
     #[inline(never)]
-    fn look_each(&mut self, rays: &[Ray], samples: &mut [Sample]) -> Result<(), RayFault> {
-        for (number, (ray, sample)) in rays.iter().zip(samples).enumerate() {
-            self.look(ray, sample).map_err(|fault| RayFault { ray: number, fault })?;
+    fn look_each(&mut self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
+        for (number, ray) in rays.iter().enumerate() {
+            self.look(ray, seen).map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
 
-    fn look(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
-        let mut trails = std::mem::take(&mut self.trails);
-        trails.clear();
+    fn look(&mut self, ray: &Ray, seen: &mut Seen) -> Result<(), Fault> {
+        let mut trails = self.new_trails();
         let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY, &mut trails);
         let asked = self.ask_alone(&mut ask, ray);
-        let Ask { best, found, over, .. } = ask;
+        let Ask { best: depth, found, over, .. } = ask;
         self.trails = trails;
         asked?;
-        if over { self.look_out(ray, sample) } else { self.resolve(ray, best, found, sample) }
+        if over { self.look_out(ray, seen) } else { self.see(&Hit { ray, depth, found }, seen) }
+    }
+
+    /// What a ray saw.
+    #[inline(always)]
+    fn see(&mut self, hit: &Hit, seen: &mut Seen) -> Result<(), Fault> {
+        self.resolver.see(&self.trails, hit, seen)?;
+        seen.end_ray();
+        Ok(())
+    }
+
+    /// The place for trails, to be filled anew.
+    #[inline(always)]
+    fn new_trails(&mut self) -> Trails {
+        self.resolver.forget();
+        let mut trails = std::mem::take(&mut self.trails);
+        trails.clear();
+        trails
     }
 
     /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
     #[cold]
     #[inline(never)]
-    fn look_out(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
+    fn look_out(&mut self, ray: &Ray, seen: &mut Seen) -> Result<(), Fault> {
         let mut trails = std::mem::take(&mut self.trails);
         let asked = self.ask_out(ray, &mut trails);
         self.trails = trails;
         let (depth, found) = asked?;
-        self.resolve(ray, depth, found, sample)
+        self.see(&Hit { ray, depth, found }, seen)
     }
 
     fn ask_out(&mut self, ray: &Ray, trails: &mut Trails) -> Result<(f64, Found), Fault> {
@@ -280,8 +296,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     #[inline(never)]
     fn blocked_each(&mut self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
         for (number, ray) in rays.iter().enumerate() {
-            let mut trails = std::mem::take(&mut self.trails);
-            trails.clear();
+            let mut trails = self.new_trails();
             let mut ask = Ask::new(Question::Any, Some(&ray.from), f64::INFINITY, &mut trails);
             let asked = self.ask_alone(&mut ask, &ray.ray);
             let over = ask.over;
@@ -303,6 +318,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         for (lane, it) in rays.iter_mut().enumerate() {
             *it = ray(lane);
         }
+        self.resolver.forget();
         self.trails.clear();
         let mut search = PacketSearch {
             tracing: &self.tracing,
@@ -351,17 +367,6 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let cell = build::build(self.tracing.store, passage.state)?;
         let mut scratch = Scratch::default();
         self.tracing.search(self.generation, &mut scratch, ask, Start { cell: &cell, passage })
-    }
-
-    fn resolve(&self, ray: &Ray, depth: f64, found: Found, sample: &mut Sample) -> Result<(), Fault> {
-        if found.is_nothing() {
-            return Ok(());
-        }
-        let local = Local::new(ray, &self.tracer.cell_from_world);
-        let mark = found.mark();
-        let (path, flipped) = (self.trails.path(mark), found.is_flipped());
-        let hit = Hit { ray, local, depth, path, face: mark.face, flipped };
-        resolve::fragment(self.tracing.store, self.generation, self.tracer.root, hit, sample)
     }
 }
 

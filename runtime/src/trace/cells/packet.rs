@@ -7,10 +7,10 @@ use pulp::{Simd, f32x16, f64x8, u64x8};
 
 use super::ask::{Ask, Found, Mark, NONE, Question, Trails, start_part};
 use super::boxes::{BoxRays, Met, Node, WIDTH, lanes_of};
-use super::cell::{Cell, Instance, Leaf, LeafShape, Named, Ref};
+use super::cell::{Cell, Leaf, LeafShape, Named, Ref};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
-use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left};
 use crate::fault::Fault;
 use crate::form::Origin;
 use crate::geometry::{Convex, Ray};
@@ -56,13 +56,21 @@ impl<'q> PacketAsk<'q> {
         (best, Found(found))
     }
 
-    fn set(&mut self, ray: usize, best: f64, found: Found) {
+    /// Takes what a ray has found by itself.
+    fn answer(&mut self, ray: usize, best: f64, found: Found, over: bool) {
+        if over {
+            self.end(1 << ray);
+        }
+        if self.found(ray) == (best, found) {
+            return;
+        }
         let mut all: [f64; EIGHT] = pulp::cast(self.best[ray / EIGHT]);
         all[ray % EIGHT] = best;
         self.best[ray / EIGHT] = pulp::cast(all);
         let mut all: [u64; EIGHT] = pulp::cast(self.found[ray / EIGHT]);
         all[ray % EIGHT] = found.0;
         self.found[ray / EIGHT] = pulp::cast(all);
+        self.changes += 1;
     }
 
     /// A ray's search is over.
@@ -74,7 +82,10 @@ impl<'q> PacketAsk<'q> {
 
 /// The stacks of a search, kept from packet to packet.
 pub(super) struct PacketScratch<'g, K: Kernel> {
+    /// The cells that the rays are in, and room for more: a frame is large, and is filled where it stands.
     frames: Vec<Frame<'g, K>>,
+    /// How many of them.
+    depth: usize,
     ahead: Vec<Ahead>,
     /// For rays that go on alone.
     alone: Scratch<'g>,
@@ -82,7 +93,7 @@ pub(super) struct PacketScratch<'g, K: Kernel> {
 
 impl<K: Kernel> Default for PacketScratch<'_, K> {
     fn default() -> Self {
-        Self { frames: Vec::new(), ahead: Vec::new(), alone: Scratch::default() }
+        Self { frames: Vec::new(), depth: 0, ahead: Vec::new(), alone: Scratch::default() }
     }
 }
 
@@ -158,21 +169,29 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         rays: &[Ray; RAYS],
         cell_from_world: &Inwards,
     ) -> Result<(), Fault> {
-        self.scratch.frames.clear();
         self.scratch.ahead.clear();
-        let (low, high) = rays.split_at(EIGHT);
-        let lanes = self.tracing.kernel.lanes();
-        let local = [Locals::of_world(lanes, low, cell_from_world), Locals::of_world(lanes, high, cell_from_world)];
-        let mut from = [NONE; RAYS];
-        let mut starting = 0;
-        for ray in lanes_of(self.ask.asking) {
-            from[ray] = start_part(self.ask.from[ray], 0);
-            starting |= u32::from(from[ray] != NONE) << ray;
-        }
+        self.scratch.depth = 1;
+        let kernel = self.tracing.kernel;
         let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0 };
-        let boxes = BoxRays::new(self.tracing.kernel, &local, self.ask.asking);
-        let entry = Entry { cell, way, local, boxes, rays: self.ask.asking, starting, from };
-        let searched = match self.enter(entry) {
+        let asking = self.ask.asking;
+        let frame = match self.scratch.frames.first_mut() {
+            Some(frame) => frame,
+            None => {
+                self.scratch.frames.push(Frame::blank(kernel, cell, way));
+                &mut self.scratch.frames[0]
+            }
+        };
+        (frame.cell, frame.way) = (cell, way);
+        let (low, high) = rays.split_at(EIGHT);
+        let lanes = kernel.lanes();
+        frame.rays.local =
+            [Locals::of_world(lanes, low, cell_from_world), Locals::of_world(lanes, high, cell_from_world)];
+        frame.rays.boxes = BoxRays::new(kernel, &frame.rays.local, asking);
+        frame.starting = 0;
+        for ray in lanes_of(asking) {
+            frame.start(ray, start_part(self.ask.from[ray], 0));
+        }
+        let searched = match self.enter(asking) {
             Ok(()) => self.run(),
             Err(fault) => Err(fault),
         };
@@ -184,7 +203,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
 
     #[cold]
     fn led(&self, fault: Fault) -> Fault {
-        let steps = self.scratch.frames.iter().map(|it| self.tracing.store.step(it.way.state, it.way.called));
+        let steps = self.scratch.frames[..self.scratch.depth]
+            .iter()
+            .map(|it| self.tracing.store.step(it.way.state, it.way.called));
         led_by(fault, steps)
     }
 
@@ -196,9 +217,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             if rays == 0 {
                 continue;
             }
-            self.scratch.frames.truncate(frame as usize + 1);
+            self.scratch.depth = frame as usize + 1;
             self.renew();
-            let Some(frame) = self.scratch.frames.last() else {
+            let Some(frame) = self.scratch.last() else {
                 return Ok(());
             };
             if self.tracing.cull && near > frame.to_most {
@@ -213,7 +234,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             match what.named() {
                 Named::Node(node) => self.node(&cell.nodes[node as usize], rays),
                 Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
-                Named::Instance(instance) => self.instance(&cell.instances[instance as usize], rays)?,
+                Named::Instance(instance) => self.instance(instance, rays)?,
                 Named::Boolean(_) => self.go_alone(rays, what)?,
             }
         }
@@ -229,29 +250,23 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
 
     /// Each of the rays looks at something by itself.
     fn go_alone(&mut self, rays: u32, what: Ref) -> Result<(), Stop> {
-        let Some(frame) = self.scratch.frames.last() else {
+        let (tracing, generation) = (self.tracing, self.generation);
+        let PacketScratch { frames, depth, alone, .. } = &mut *self.scratch;
+        let Some(frame) = frames.get(*depth - 1) else {
             return Ok(());
         };
-        let cell = frame.cell;
         for ray in lanes_of(rays) {
-            let passage = frame.passage(ray);
+            let start = Start { cell: frame.cell, passage: frame.passage(ray) };
             let (best, found) = self.ask.found(ray);
             let mut ask = Ask::new(self.ask.question, self.ask.from[ray], best, self.trails);
             ask.found = found;
             ask.steps = self.ask.steps;
-            let (tracing, generation, alone) = (self.tracing, self.generation, &mut self.scratch.alone);
             tracing.kernel.vectorize(
                 #[inline(always)]
-                || tracing.search_in(generation, alone, &mut ask, Start { cell, passage }, what),
+                || tracing.search_in(generation, alone, &mut ask, start, what),
             )?;
-            let Ask { best: nearer, found, over, .. } = ask;
-            if over {
-                self.ask.end(1 << ray);
-            }
-            if nearer < best || found != self.ask.found(ray).1 {
-                self.ask.set(ray, nearer, found);
-                self.ask.changes += 1;
-            }
+            let Ask { best, found, over, .. } = ask;
+            self.ask.answer(ray, best, found, over);
         }
         Ok(())
     }
@@ -259,46 +274,32 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     /// Makes the last frame's `to` what it must be by what has been found.
     #[inline(always)]
     fn renew(&mut self) {
-        let Some(frame) = self.scratch.frames.last_mut() else {
+        let Some(frame) = self.scratch.last_mut() else {
             return;
         };
         if frame.changes != self.ask.changes {
-            frame.changes = self.ask.changes;
-            frame.rays.renew(self.tracing.kernel, self.ask);
-            frame.to_most = most(self.tracing.kernel, frame.rays.to);
+            frame.renew(self.tracing.kernel, self.ask);
         }
     }
 
-    /// Goes into a cell.
+    /// Goes into the cell of the last frame, whose rays, way and starts are filled in.
     #[inline(always)]
-    fn enter(&mut self, entry: Entry<'g, K>) -> Result<(), Stop> {
-        let Entry { cell, way, local, boxes, rays, starting, from } = entry;
-        let kernel = self.tracing.kernel;
-        let lanes = kernel.lanes();
-        let squares = [local[0].origin.dot(local[0].origin), local[1].origin.dot(local[1].origin)];
-        let below = |most: f64| {
-            let most = Wide::splat(lanes, most);
-            let (low, high) = (squares[0].lt(most), squares[1].lt(most));
-            kernel.bits(low.value) | kernel.bits(high.value) << EIGHT
+    fn enter(&mut self, rays: u32) -> Result<(), Stop> {
+        let (kernel, number) = (self.tracing.kernel, self.scratch.depth as u32 - 1);
+        let Some(frame) = self.scratch.last_mut() else {
+            return Ok(());
         };
-        let (near, tame) = (below(NEAR), below(TAME));
+        let lanes = kernel.lanes();
+        let [low, high] = &frame.rays.local;
+        let squares = [low.origin.dot(low.origin), high.origin.dot(high.origin)];
+        let (near, tame) = (below(kernel, squares, NEAR), below(kernel, squares, TAME));
         let zero = Wide::splat(lanes, 0.0);
-        let begin = [below_single(local[0].own(zero)), below_single(local[1].own(zero))];
-        let begin = kernel.narrow(begin[0].value, begin[1].value);
-        let mut all = Rays { local, boxes, from: begin, to: begin };
-        all.renew(kernel, self.ask);
-        let number = self.scratch.frames.len() as u32;
-        self.scratch.frames.push(Frame {
-            rays: all,
-            cell,
-            way,
-            starting,
-            from,
-            wild: !tame,
-            changes: self.ask.changes,
-            from_least: -most(kernel, lanes.neg_f32s(begin)),
-            to_most: most(kernel, all.to),
-        });
+        let begin = [below_single(low.own(zero)), below_single(high.own(zero))];
+        frame.rays.from = kernel.narrow(begin[0].value, begin[1].value);
+        frame.from_least = -most(kernel, lanes.neg_f32s(frame.rays.from));
+        frame.wild = !tame;
+        frame.renew(kernel, self.ask);
+        let (cell, way) = (frame.cell, frame.way);
         self.tracing.check_depth(way.levels.saturating_add(cell.levels), way.called)?;
         let Some(union) = cell.unions.first() else {
             return Ok(());
@@ -317,12 +318,20 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     }
 
     /// Looks at the leaves of a node, and puts the rest on the stack, the nearest on top.
-    #[inline(always)]
     fn node(&mut self, node: &Node, rays: u32) {
-        let Some(frame) = self.scratch.frames.last() else {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.open(node, rays),
+        );
+    }
+
+    #[inline(always)]
+    fn open(&mut self, node: &Node, rays: u32) {
+        let Some(frame) = self.scratch.last() else {
             return;
         };
-        let number = self.scratch.frames.len() as u32 - 1;
+        let number = self.scratch.depth as u32 - 1;
         let (kernel, cell) = (self.tracing.kernel, frame.cell);
         let (bits, near): Met = if self.tracing.cull {
             frame.rays.boxes.may_meet(kernel, node, frame.from_least, frame.to_most)
@@ -334,7 +343,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         for lane in &order[..count] {
             let lane = usize::from(*lane);
             self.renew();
-            let Some(frame) = self.scratch.frames.last() else {
+            let Some(frame) = self.scratch.last() else {
                 return;
             };
             let mut met = rays & self.ask.asking;
@@ -354,41 +363,58 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     }
 
     /// Goes into a cell inside this one.
+    fn instance(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.go_into(number, rays),
+        )
+    }
+
     #[inline(always)]
-    fn instance(&mut self, instance: &Instance, rays: u32) -> Result<(), Stop> {
-        let Some(frame) = self.scratch.frames.last() else {
+    fn go_into(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
+        let kernel = self.tracing.kernel;
+        let Some(Frame { cell: outer_cell, way: outer_way, .. }) = self.scratch.last() else {
             return Ok(());
         };
-        let kernel = self.tracing.kernel;
-        let part = &frame.cell.parts[instance.part as usize];
-        let [low, high] = &frame.rays.local;
-        let local = [low.entered(&instance.way).0, high.entered(&instance.way).0];
+        let instance = &outer_cell.instances[number as usize];
+        let part = &outer_cell.parts[instance.part as usize];
         let (state, called) = (instance.state, part.origin);
-        let position = frame.way.position + 1;
-        let mut from = [NONE; RAYS];
-        let mut starting = 0;
-        for ray in lanes_of(frame.starting & rays) {
-            if frame.from[ray] == instance.part {
-                from[ray] = start_part(self.ask.from[ray], position as usize);
-                starting |= 1 << ray;
-            }
-        }
-        let levels = frame.way.levels + part.levels;
+        let (position, levels) = (outer_way.position + 1, outer_way.levels + part.levels);
+        let trail = self.trails.on(outer_way.trail, instance.part);
         let cell = match self.generation.kept(state) {
             Some(cell) => Some(cell),
             None => self.made(state, called)?,
         };
         let Some(cell) = cell else {
-            return self.go_alone(rays, Ref::new(Named::Instance(instance_number(frame.cell, instance))));
+            return self.go_alone(rays, Ref::new(Named::Instance(number)));
         };
-        let boxes = if instance.way.is_straight() {
-            frame.rays.boxes.moved(kernel, &local, rays)
-        } else {
-            BoxRays::new(kernel, &local, rays)
-        };
-        let trail = self.trails.on(frame.way.trail, instance.part);
         let way = Way { state, called, trail, position, levels };
-        self.enter(Entry { cell, way, local, boxes, rays, starting, from })
+        let depth = self.scratch.depth;
+        if self.scratch.frames.len() == depth {
+            self.scratch.frames.push(Frame::blank(kernel, cell, way));
+        }
+        let (outer, inner) = self.scratch.frames.split_at_mut(depth);
+        let (Some(outer), Some(inner)) = (outer.last(), inner.first_mut()) else {
+            return Ok(());
+        };
+        (inner.cell, inner.way) = (cell, way);
+        for half in 0..2 {
+            inner.rays.local[half] = outer.rays.local[half].entered(&instance.way).0;
+        }
+        inner.rays.boxes = if instance.way.is_straight() {
+            outer.rays.boxes.moved(kernel, &inner.rays.local, rays)
+        } else {
+            BoxRays::new(kernel, &inner.rays.local, rays)
+        };
+        inner.starting = 0;
+        for ray in lanes_of(outer.starting & rays) {
+            if outer.from[ray] == instance.part {
+                inner.start(ray, start_part(self.ask.from[ray], position as usize));
+            }
+        }
+        self.scratch.depth += 1;
+        self.enter(rays)
     }
 
     /// A cell that is not there yet; none if there is no room to keep it.
@@ -400,15 +426,33 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(state, called)))))
     }
 
-    #[inline(always)]
+    /// Looks at a leaf.
     fn leaf(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
-        let Some(frame) = self.scratch.frames.last() else {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.meet(cell, leaf, rays),
+        );
+    }
+
+    #[inline(always)]
+    fn meet(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+        let Some(frame) = self.scratch.last() else {
             return;
         };
         let mut apart = rays & frame.wild;
+        let mut rays = rays;
         for ray in lanes_of(frame.starting & rays) {
-            apart |= u32::from(frame.from[ray] == leaf.part) << ray;
+            if frame.from[ray] == leaf.part {
+                let face = self.ask.from[ray].map(|it| it.face);
+                if is_left(leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
+                    rays &= !(1 << ray);
+                } else {
+                    apart |= 1 << ray;
+                }
+            }
         }
+        apart &= rays;
         let together = rays & !apart;
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
@@ -423,7 +467,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     /// What rays meet of a convex leaf; gives those that have to ask one by one.
     #[inline(always)]
     fn convex(&mut self, leaf: &Leaf, convex: &Convex, rays: u32) -> u32 {
-        let Some(frame) = self.scratch.frames.last() else {
+        let Some(frame) = self.scratch.last() else {
             return 0;
         };
         let kernel = self.tracing.kernel;
@@ -478,7 +522,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     #[cold]
     #[inline(never)]
     fn leaf_apart(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
-        let Some(frame) = self.scratch.frames.last() else {
+        let Some(frame) = self.scratch.last() else {
             return;
         };
         for ray in lanes_of(rays) {
@@ -486,50 +530,67 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             let mut ask = Ask::new(self.ask.question, self.ask.from[ray], best, self.trails);
             ask.found = found;
             super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
-            let Ask { best: nearer, found: now, over, .. } = ask;
-            if over {
-                self.ask.end(1 << ray);
-            }
-            if nearer < best || now != found {
-                self.ask.set(ray, nearer, now);
-                self.ask.changes += 1;
-            }
+            let Ask { best, found, over, .. } = ask;
+            self.ask.answer(ray, best, found, over);
         }
     }
 }
 
-/// Rays that go into a cell.
-struct Entry<'g, K: Kernel> {
-    cell: &'g Cell,
-    way: Way,
-    local: Halves<Locals<K::Lanes>>,
-    boxes: BoxRays,
-    rays: u32,
-    starting: u32,
-    from: [u32; RAYS],
+impl<'g, K: Kernel> PacketScratch<'g, K> {
+    #[inline(always)]
+    fn last(&self) -> Option<&Frame<'g, K>> {
+        self.frames.get(self.depth.wrapping_sub(1))
+    }
+
+    #[inline(always)]
+    fn last_mut(&mut self) -> Option<&mut Frame<'g, K>> {
+        self.frames.get_mut(self.depth.wrapping_sub(1))
+    }
 }
 
-impl<K: Kernel> Frame<'_, K> {
+impl<'g, K: Kernel> Frame<'g, K> {
+    /// A frame to be filled.
+    fn blank(kernel: K, cell: &'g Cell, way: Way) -> Self {
+        let zero = pulp::cast([0.0_f32; RAYS]);
+        let rays = Rays { local: [Locals::blank(kernel.lanes()); 2], boxes: BoxRays::BLANK, from: zero, to: zero };
+        let (from, starting, wild, changes) = ([NONE; RAYS], 0, 0, 0);
+        Self { rays, cell, way, starting, from, wild, changes, from_least: 0.0, to_most: 0.0 }
+    }
+
+    /// A ray starts on (or in) a part of the cell.
+    #[inline(always)]
+    fn start(&mut self, ray: usize, part: u32) {
+        self.from[ray] = part;
+        self.starting |= u32::from(part != NONE) << ray;
+    }
+
     /// One of the rays by itself.
     #[inline(always)]
     fn passage(&self, ray: usize) -> Passage {
         let Way { state, called, trail, position, levels } = self.way;
         let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
-        let (boxes, from) = (self.rays.boxes.ray(ray), self.from[ray]);
-        Passage { state, called, ray: local, boxes, from, trail, position, levels }
+        let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
+        Passage { state, called, ray: local, boxes: self.rays.boxes.ray(ray), from, trail, position, levels }
     }
-}
 
-impl<K: Kernel> Rays<K> {
     /// Finds where on each ray nothing more is of interest.
     #[inline(always)]
     fn renew(&mut self, kernel: K, ask: &PacketAsk) {
         let lanes = kernel.lanes();
-        let [low, high] = &self.local;
+        let [low, high] = &self.rays.local;
         let low = above_single(low.own(Wide::new(lanes, ask.best[0])));
         let high = above_single(high.own(Wide::new(lanes, ask.best[1])));
-        self.to = kernel.narrow(low.value, high.value);
+        self.rays.to = kernel.narrow(low.value, high.value);
+        self.to_most = most(kernel, self.rays.to);
+        self.changes = ask.changes;
     }
+}
+
+/// Which of sixteen numbers are below another.
+#[inline(always)]
+fn below<K: Kernel>(kernel: K, [low, high]: Halves<Wide<K::Lanes>>, most: f64) -> u32 {
+    let most = Wide::splat(kernel.lanes(), most);
+    kernel.bits(low.lt(most).value) | kernel.bits(high.lt(most).value) << EIGHT
 }
 
 /// As [`f32_below`](super::traverse::f32_below) of each lane.
@@ -569,11 +630,4 @@ fn in_order(bits: u32, near: &[f32; WIDTH], question: Question) -> ([u8; WIDTH],
         count += 1;
     }
     (order, count)
-}
-
-fn instance_number(cell: &Cell, instance: &Instance) -> u32 {
-    match cell.parts[instance.part as usize].member.named() {
-        Named::Instance(number) => number,
-        _ => 0,
-    }
 }

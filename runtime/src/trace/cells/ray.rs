@@ -214,13 +214,15 @@ impl<S: Simd> Locals<S> {
     /// length, and wherever on the ray the new origin lies.
     #[inline(always)]
     pub(super) fn entered(&self, way: &Inwards) -> (Self, Wide<S>, Wide<S>) {
-        let origin = self.origin.mapped(&way.inner_from_outer);
-        let (direction, length, scale) = if way.straight {
-            (self.direction, self.scale.all(way.stretch), self.scale.all(way.shrink))
+        let any = self.scale;
+        let (origin, direction, length, scale) = if way.straight {
+            let moved = Wide3::splat_like(any, way.inner_from_outer.translation);
+            let (length, scale) = (any.all(way.stretch), any.all(way.shrink));
+            (self.origin * length + moved, self.direction, length, scale)
         } else {
             let direction = self.direction.turned(&way.inner_from_outer.matrix3);
             let (length, scale) = way.length_of(direction);
-            (direction * scale, length, scale)
+            (self.origin.mapped(&way.inner_from_outer), direction * scale, length, scale)
         };
         let forward = -origin.dot(direction);
         let shift = forward * scale;
@@ -255,33 +257,36 @@ impl<S: Simd> Locals<S> {
 }
 
 impl<S: Simd<f64s = f64x8>> Locals<S> {
+    /// No rays: to be filled.
+    pub(super) fn blank(lanes: S) -> Self {
+        let zero = Wide::new(lanes, pulp::cast([0.0; EIGHT]));
+        let vector = Wide3 { x: zero, y: zero, z: zero };
+        Self { origin: vector, direction: vector, offset: zero, scale: zero, inverse_scale: zero }
+    }
+
     /// Rays of the world in the frame of a cell; eight of them.
     #[inline(always)]
     pub(super) fn of_world(lanes: S, rays: &[Ray], cell_from_world: &Inwards) -> Self {
-        let gather = |number: fn(&Ray) -> f64| {
-            let mut all = [0.0; EIGHT];
-            for (all, ray) in all.iter_mut().zip(rays) {
-                *all = number(ray);
+        let (mut origin, mut direction) = ([[0.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
+        for (lane, ray) in rays.iter().enumerate().take(EIGHT) {
+            for axis in 0..3 {
+                origin[axis][lane] = ray.origin[axis];
+                direction[axis][lane] = ray.direction[axis];
             }
-            Wide::new(lanes, pulp::cast(all))
-        };
-        let (x, y, z) = (gather(|it| it.origin.x), gather(|it| it.origin.y), gather(|it| it.origin.z));
-        let origin = Wide3 { x, y, z };
-        let (x, y, z) = (gather(|it| it.direction.x), gather(|it| it.direction.y), gather(|it| it.direction.z));
-        Locals::from_world(origin, Wide3 { x, y, z }).entered(cell_from_world).0
+        }
+        let (origin, direction) = (Wide3::of_arrays(lanes, origin), Wide3::of_arrays(lanes, direction));
+        Locals::from_world(origin, direction).entered(cell_from_world).0
     }
 
     /// The ray of a lane.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize) -> Local {
-        let number = |it: &Wide<S>| pulp::cast::<f64x8, [f64; 8]>(it.value)[lane];
-        let vector = |it: &Wide3<S>| DVec3::new(number(&it.x), number(&it.y), number(&it.z));
         Local {
-            origin: vector(&self.origin),
-            direction: vector(&self.direction),
-            offset: number(&self.offset),
-            scale: number(&self.scale),
-            inverse_scale: number(&self.inverse_scale),
+            origin: self.origin.lane(lane),
+            direction: self.direction.lane(lane),
+            offset: self.offset.lane(lane),
+            scale: self.scale.lane(lane),
+            inverse_scale: self.inverse_scale.lane(lane),
         }
     }
 }

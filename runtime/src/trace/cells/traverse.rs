@@ -354,10 +354,21 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
 pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
-        let face = ask.start_face();
-        meet_primitive(ask, cell, leaf, passage.trail, &passage.ray.counted_from_start(), face);
+        let ray = passage.ray.counted_from_start();
+        if !is_left(leaf, &ray, ask.start_face()) {
+            meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
+        }
     } else {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
+    }
+}
+
+/// Whether a ray that starts on a leaf will not meet it again.
+#[inline(always)]
+pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
+    match (leaf.shape, face) {
+        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
+        (LeafShape::Convex(_) | LeafShape::Other(_), _) => false,
     }
 }
 

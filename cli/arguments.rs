@@ -99,6 +99,9 @@ pub struct Render {
     /// Rays a pixel to begin with; 1 is one ray through its centre, more makes edges smooth
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES), help_heading = "Picture")]
     pub samples: Option<u32>,
+    /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end, if it has one
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
+    pub detail: f64,
     /// What the program's parameters are.
     #[command(flatten)]
     pub program: Program,
@@ -258,6 +261,14 @@ fn crop(text: &str) -> Result<Rect, String> {
 /// A whole number in digits; `u32::from_str` would take a `+`, too.
 fn whole(text: &str) -> Option<u32> {
     text.bytes().all(|it| it.is_ascii_digit()).then(|| text.parse().ok())?
+}
+
+/// A number of pixels.
+fn detail(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if (0.0..=1000.0).contains(&number) => Ok(number),
+        _ => Err("it takes a number from 0 to 1000".to_owned()),
+    }
 }
 
 fn seed(text: &str) -> Result<u64, String> {

@@ -230,6 +230,7 @@ fn options(arguments: &Render, program: &Understood, format: Format) -> Result<R
         samples: arguments.samples,
         layers: format == Format::Exr,
         tile: arguments.tile.unwrap_or(defaults.tile),
+        detail: arguments.detail,
     })
 }
 
@@ -247,6 +248,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
         ("Size".to_owned(), format!("{}x{}", picture.width, picture.height)),
         ("Samples".to_owned(), arguments.samples.unwrap_or(program.scene.image.samples).to_string()),
     ];
+    if arguments.detail != RenderOptions::default().detail {
+        text.push(("Detail".to_owned(), arguments.detail.to_string()));
+    }
     if let Some(Rect { x, y, width, height }) = arguments.crop {
         text.push(("Crop".to_owned(), format!("{x},{y},{width},{height}")));
     }

@@ -11,20 +11,21 @@ use treegen_runtime::form::Scene;
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::trace::{Fragment, Seen, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Beam, Fragment, Seen, SurfaceBeam, Tracer};
 
 /// What one ray saw.
 type Sample = Vec<Fragment>;
 
 fn look(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Sample> {
     let mut seen = Seen::default();
-    tracer.look(rays, &mut seen).expect("these scenes have no faults");
+    let beams: Vec<Beam> = rays.iter().copied().map(Beam::thin).collect();
+    tracer.look(&beams, &mut seen).expect("these scenes have no faults");
     seen.rays().map(<[Fragment]>::to_vec).collect()
 }
 
-fn blocked(tracer: &dyn Tracer, rays: &[SurfaceRay]) -> Vec<bool> {
+fn light(tracer: &dyn Tracer, beams: &[SurfaceBeam]) -> Vec<f64> {
     let mut answers = Vec::new();
-    tracer.blocked(rays, &mut answers).expect("these scenes have no faults");
+    tracer.light(beams, &mut answers).expect("these scenes have no faults");
     answers
 }
 
@@ -52,10 +53,11 @@ fn is_steady(reference: &Reference, ray: &Ray) -> bool {
     seen.iter().all(|it| what(it) == what(&seen[0]))
 }
 
-fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceRay> {
+fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceBeam> {
     let hits = samples.iter().filter_map(|it| it.first());
     let lit = hits.filter(|it: &&Fragment| it.normal.dot(direction) > 1e-3);
-    lit.map(|it| SurfaceRay { ray: Ray { origin: it.position, direction }, from: it.site.clone() }).collect()
+    let beam = |it: &Fragment| Beam::thin(Ray { origin: it.position, direction });
+    lit.map(|it| SurfaceBeam { beam: beam(it), from: it.site.clone() }).collect()
 }
 
 /// Compares both tracers on a bundle of rays, and on the shadow rays from what each saw.
@@ -72,7 +74,7 @@ fn compare(scene: &Scene, side: u32, half_width: f64) -> Result<(), String> {
     }
     let sun = DVec3::new(0.4, -0.5, 0.77).normalize();
     let both = [&expected, &found].map(|it| shadow_rays(it, sun));
-    let answers = (blocked(&reference, &both[0]), blocked(&cells, &both[1]));
+    let answers = (light(&reference, &both[0]), light(&cells, &both[1]));
     if both[0].len() == both[1].len() {
         let different = answers.0.iter().zip(&answers.1).filter(|(a, b)| a != b).count();
         // Shadow rays along an edge may fall on either side of it.

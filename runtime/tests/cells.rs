@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3};
 use treegen_runtime::form::{BinaryOp, Node, PrimitiveKind, Scene, Slot, TransformKind};
 use treegen_runtime::geometry::{Primitive, Ray};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
-use treegen_runtime::trace::{Fragment, Seen, Site, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Beam, Fragment, Seen, Site, SurfaceBeam, Tracer};
 use treegen_runtime::{Fault, FaultKind, Limit, Limits};
 
 fn tracer<'s>(scene: &'s Scene, limits: &Limits, culling: Culling) -> CellTracer<'s> {
@@ -23,7 +23,8 @@ type Sample = Vec<Fragment>;
 
 fn look(tracer: &CellTracer, rays: &[Ray]) -> Vec<Sample> {
     let mut seen = Seen::default();
-    tracer.look(rays, &mut seen).expect("no fault");
+    let beams: Vec<Beam> = rays.iter().copied().map(Beam::thin).collect();
+    tracer.look(&beams, &mut seen).expect("no fault");
     seen.rays().map(<[Fragment]>::to_vec).collect()
 }
 
@@ -45,18 +46,19 @@ fn bits(sample: &Sample) -> Bits {
         .collect()
 }
 
-fn shadow_rays(samples: &[Sample]) -> Vec<SurfaceRay> {
+fn shadow_rays(samples: &[Sample]) -> Vec<SurfaceBeam> {
     let direction = DVec3::new(0.3, 0.4, 0.6);
     let hits = samples.iter().filter_map(|it| it.first());
-    hits.map(|it| SurfaceRay { ray: Ray { origin: it.position, direction }, from: it.site.clone() }).collect()
+    let beam = |it: &Fragment| Beam::thin(Ray { origin: it.position, direction });
+    hits.map(|it| SurfaceBeam { beam: beam(it), from: it.site.clone() }).collect()
 }
 
-/// What a tracer sees along rays, and which of the shadow rays from there are blocked.
-fn picture(tracer: &CellTracer, rays: &[Ray]) -> (Vec<Bits>, Vec<bool>) {
+/// What a tracer sees along rays, and how much light comes along the shadow rays from there.
+fn picture(tracer: &CellTracer, rays: &[Ray]) -> (Vec<Bits>, Vec<f64>) {
     let samples = look(tracer, rays);
-    let mut blocked = Vec::new();
-    tracer.blocked(&shadow_rays(&samples), &mut blocked).expect("no fault");
-    (samples.iter().map(bits).collect(), blocked)
+    let mut light = Vec::new();
+    tracer.light(&shadow_rays(&samples), &mut light).expect("no fault");
+    (samples.iter().map(bits).collect(), light)
 }
 
 /// The nearest place at which a ray comes into one of many copies of a primitive, and how long it is inside there.
@@ -365,12 +367,12 @@ fn no_ray_outwards_meets_the_surface_it_starts_on() {
     assert!(hits.len() > 300, "{}", hits.len());
     // The very short way out along the normal is free, wherever the surface is seen.
     let outwards = hits.iter().map(|it| Ray { origin: it.position, direction: it.normal });
-    let rays: Vec<_> = outwards.zip(&hits).map(|(ray, it)| SurfaceRay { ray, from: it.site.clone() }).collect();
-    let back: Vec<Ray> = rays.iter().map(|it| Ray { origin: it.ray.at(1e-7), direction: it.ray.direction }).collect();
-    let mut blocked = Vec::new();
-    tracer.blocked(&rays, &mut blocked).expect("no fault");
-    for ((blocked, sample), ray) in blocked.iter().zip(look(&tracer, &back)).zip(&rays) {
-        assert_eq!(*blocked, !sample.is_empty(), "{ray:?}");
+    let rays: Vec<_> = outwards.zip(&hits).map(|(ray, it)| SurfaceBeam { beam: Beam::thin(ray), from: it.site.clone() }).collect();
+    let back: Vec<Ray> = rays.iter().map(|it| it.beam.ray).map(|it| Ray { origin: it.at(1e-7), ..it }).collect();
+    let mut light = Vec::new();
+    tracer.light(&rays, &mut light).expect("no fault");
+    for ((light, sample), ray) in light.iter().zip(look(&tracer, &back)).zip(&rays) {
+        assert_eq!(*light == 1.0, sample.is_empty(), "{ray:?}");
     }
 }
 
@@ -383,8 +385,8 @@ fn a_fault_is_that_of_the_lowest_ray() {
     let cut = b.add(Node::Difference(ball, [triangle].into()));
     let scene = b.scene(cut);
     let tracer = tracer(&scene, &Limits::default(), Culling::State);
-    let ray = |x| Ray { origin: DVec3::new(x, 0.0, 5.0), direction: DVec3::NEG_Z };
-    let fault = tracer.look(&[ray(4.0), ray(3.0), ray(0.1), ray(0.2)], &mut Seen::default()).expect_err("it is open");
+    let ray = |x| Beam::thin(Ray { origin: DVec3::new(x, 0.0, 5.0), direction: DVec3::NEG_Z });
+    let fault = tracer.look(&[4.0, 3.0, 0.1, 0.2].map(ray), &mut Seen::default()).expect_err("it is open");
     assert_eq!(fault.ray, 2);
     assert_eq!(fault.fault.kind, FaultKind::Open(PrimitiveKind::Triangle));
 }

@@ -26,7 +26,7 @@ pub(super) fn render(
     tracer: &dyn Tracer,
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
-    let rays = Rays::new(camera, view.width, view.height);
+    let rays = Rays::new(camera, view.width, view.height, view.detail);
     let shader = Shader::new(scene, Lights::new(scene, &rays));
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
     let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, watch };

@@ -55,11 +55,13 @@ pub struct RenderOptions {
     pub layers: bool,
     /// How many pixels a tile is wide and high. It affects the time, never the picture.
     pub tile: u32,
+    /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end.
+    pub detail: f64,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { size: None, crop: None, samples: None, layers: false, tile: 16 }
+        Self { size: None, crop: None, samples: None, layers: false, tile: 16, detail: 1.0 }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::eval::spread;
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Material, Scene};
 use crate::geometry::Ray;
-use crate::trace::{Fragment, RayFault, Seen, SurfaceRay, Tracer};
+use crate::trace::{Beam, Fragment, RayFault, Seen, SurfaceBeam, Tracer};
 
 /// More light than this says nothing more; it keeps sums finite.
 const BRIGHTEST: f64 = 1e6;
@@ -56,10 +56,11 @@ struct Gloss {
 pub(super) struct Scratch {
     /// The ray of each fragment.
     owners: Vec<u32>,
-    shadow_rays: Vec<SurfaceRay>,
-    /// The fragment of each shadow ray.
+    shadow_beams: Vec<SurfaceBeam>,
+    /// The fragment of each shadow beam.
     aimed: Vec<u32>,
-    blocked: Vec<bool>,
+    /// How much light comes along each of them.
+    light: Vec<f64>,
     lit: Vec<Lit>,
     /// The batch's colours, premultiplied.
     pub(super) colors: Vec<[f32; 4]>,
@@ -87,7 +88,7 @@ impl Shader {
     pub(super) fn shade(
         &self,
         tracer: &dyn Tracer,
-        rays: &[Ray],
+        beams: &[Beam],
         keys: &[Key],
         seen: &mut Seen,
         scratch: &mut Scratch,
@@ -97,54 +98,56 @@ impl Shader {
         scratch.lit.clear();
         scratch.lit.resize(seen.fragments().len(), Lit::default());
         for sun in 0..self.lights.suns.len() {
-            self.aim(sun, keys, seen, scratch);
+            self.aim(sun, beams, keys, seen, scratch);
             scratch.trace(tracer)?;
-            self.light(sun, rays, seen, scratch);
+            self.light(sun, beams, seen, scratch);
         }
-        self.compose(rays, seen, scratch);
+        self.compose(beams, seen, scratch);
         Ok(())
     }
 
-    /// Collects the shadow rays of one sun, of all fragments that face it.
-    fn aim(&self, sun_number: usize, keys: &[Key], seen: &mut Seen, scratch: &mut Scratch) {
+    /// Collects the shadow beams of one sun, of all fragments that face it.
+    fn aim(&self, sun_number: usize, beams: &[Beam], keys: &[Key], seen: &mut Seen, scratch: &mut Scratch) {
         let sun = &self.lights.suns[sun_number];
         let last = sun_number + 1 == self.lights.suns.len();
-        scratch.shadow_rays.clear();
+        scratch.shadow_beams.clear();
         scratch.aimed.clear();
         for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&scratch.owners).enumerate() {
-            let cosine = fragment.normal.dot(sun.toward);
-            if cosine <= 0.0 {
+            if fragment.spread == 0.0 && fragment.normal.dot(sun.toward) <= 0.0 {
                 continue;
             }
             // The last sun takes the site instead of copying it.
             let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
             let Key { pixel, sample, .. } = keys[*owner as usize];
-            let direction = sun.direction(pixel, sample);
-            scratch.shadow_rays.push(SurfaceRay { ray: Ray { origin: fragment.position, direction }, from });
+            let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
+            let width = beams[*owner as usize].width_at(fragment.depth);
+            scratch.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
             scratch.aimed.push(number as u32);
         }
     }
 
-    /// Lights the fragments whose shadow rays met nothing.
-    fn light(&self, sun_number: usize, rays: &[Ray], seen: &Seen, scratch: &mut Scratch) {
+    /// Lights the fragments by what came along their shadow beams.
+    fn light(&self, sun_number: usize, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
         let sun = &self.lights.suns[sun_number];
-        for (number, _) in scratch.aimed.iter().zip(&scratch.blocked).filter(|(_, blocked)| !**blocked) {
+        for (number, light) in scratch.aimed.iter().zip(&scratch.light).filter(|(_, light)| **light > 0.0) {
             let number = *number as usize;
             let fragment = &seen.fragments()[number];
             let lit = &mut scratch.lit[number];
-            lit.matt += sun.color * fragment.normal.dot(sun.toward);
+            let light = light * fragment.open;
+            lit.matt += sun.color * (facing(fragment, sun.toward) * light);
             if let Some(gloss) = self.paint(fragment).gloss {
-                let direction = rays[scratch.owners[number] as usize].direction;
-                lit.gloss += sun.color * gloss.highlight(fragment.normal, sun.toward, direction);
+                let direction = beams[scratch.owners[number] as usize].ray.direction;
+                let highlight = gloss.highlight(fragment.normal, sun.toward, direction) * (1.0 - fragment.spread);
+                lit.gloss += sun.color * (highlight * light);
             }
         }
     }
 
     /// Adds up each ray's fragments from front to back, and what lies behind them.
-    fn compose(&self, rays: &[Ray], seen: &Seen, scratch: &mut Scratch) {
+    fn compose(&self, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
         scratch.colors.clear();
         let mut lit = scratch.lit.iter();
-        for (fragments, ray) in seen.rays().zip(rays) {
+        for (fragments, Beam { ray, .. }) in seen.rays().zip(beams) {
             let mut color = DVec3::ZERO;
             let mut open = 1.0;
             for (fragment, lit) in fragments.iter().zip(&mut lit) {
@@ -166,7 +169,7 @@ impl Shader {
     /// The light that comes from a fragment to the eye.
     fn seen(&self, fragment: &Fragment, lit: &Lit, ray: &Ray) -> DVec3 {
         let paint = self.paint(fragment);
-        let light = self.lights.sky.on(fragment.normal) + lit.matt;
+        let light = self.lights.sky.on(fragment.normal * (1.0 - fragment.spread)) + lit.matt;
         let color = paint.color(fragment.route) * light + lit.gloss;
         if self.lights.haze == 0.0 {
             return color;
@@ -191,18 +194,31 @@ impl Scratch {
         }
     }
 
-    /// Traces the shadow rays.
+    /// Traces the shadow beams.
     fn trace(&mut self, tracer: &dyn Tracer) -> Result<(), RayFault> {
-        self.blocked.clear();
-        if self.shadow_rays.is_empty() {
+        self.light.clear();
+        if self.shadow_beams.is_empty() {
             return Ok(());
         }
-        self.shadow_count += self.shadow_rays.len() as u64;
-        tracer.blocked(&self.shadow_rays, &mut self.blocked).map_err(|RayFault { ray, fault }| {
+        self.shadow_count += self.shadow_beams.len() as u64;
+        tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
             let fragment = self.aimed.get(ray).map_or(0, |it| *it as usize);
             RayFault { ray: self.owners.get(fragment).map_or(0, |it| *it as usize), fault }
         })
     }
+}
+
+/// How much of a light falls on a fragment: the cosine of a surface, the mean of the cosines where normals differ.
+///
+/// In between it is the root that is exact for one normal and for normals of all sides, whose mean is a quarter.
+fn facing(fragment: &Fragment, toward: DVec3) -> f64 {
+    let cosine = fragment.normal.dot(toward);
+    if fragment.spread == 0.0 {
+        return cosine;
+    }
+    let length = 1.0 - fragment.spread;
+    let (cosine, rest) = (cosine * length, 0.25 * (1.0 - length * length));
+    0.5 * (cosine + (cosine * cosine + rest).sqrt())
 }
 
 impl Paint {

@@ -8,8 +8,7 @@ use super::shade::{Key, Scratch, Shader};
 use super::view::View;
 use super::{RayCounts, Rect, Watch};
 use crate::fault::Fault;
-use crate::geometry::Ray;
-use crate::trace::{RayFault, Seen, Tracer};
+use crate::trace::{Beam, RayFault, Seen, Tracer};
 
 /// How many rays go to the tracer at once: enough for its packets, few enough that their samples stay in cache.
 const BATCH: usize = 256;
@@ -47,7 +46,7 @@ pub(super) struct Painter<'a> {
     centres: Vec<Option<Hit>>,
     active: Vec<u32>,
     keys: Vec<Key>,
-    camera_rays: Vec<Ray>,
+    beams: Vec<Beam>,
     seen: Seen,
     scratch: Scratch,
     camera_count: u64,
@@ -63,7 +62,7 @@ impl<'a> Painter<'a> {
             centres: Vec::new(),
             active: Vec::new(),
             keys: Vec::new(),
-            camera_rays: Vec::new(),
+            beams: Vec::new(),
             seen: Seen::default(),
             scratch: Scratch::default(),
             camera_count: 0,
@@ -166,14 +165,14 @@ impl<'a> Painter<'a> {
 
     fn begin_batch(&mut self) {
         self.keys.clear();
-        self.camera_rays.clear();
+        self.beams.clear();
     }
 
     fn add_ray(&mut self, slot: u32, sample: u32, offset: DVec2) {
         let pixel = self.pixels[slot as usize].place;
         let at = DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset;
         self.keys.push(Key { slot, pixel, sample });
-        self.camera_rays.push(self.setting.rays.through(at.x, at.y));
+        self.beams.push(self.setting.rays.through(at.x, at.y));
     }
 
     fn flush(&mut self) -> Result<(), Stop> {
@@ -186,7 +185,7 @@ impl<'a> Painter<'a> {
             self.keep_centres();
         }
         let shaded =
-            setting.shader.shade(setting.tracer, &self.camera_rays, &self.keys, &mut self.seen, &mut self.scratch);
+            setting.shader.shade(setting.tracer, &self.beams, &self.keys, &mut self.seen, &mut self.scratch);
         shaded.map_err(|fault| self.stop(fault))?;
         for (key, color) in self.keys.iter().zip(&self.scratch.colors) {
             self.pixels[key.slot as usize].add(*color);
@@ -204,14 +203,14 @@ impl<'a> Painter<'a> {
         if self.setting.watch.interrupted() {
             return Err(Stop::Interrupted);
         }
-        self.camera_count += self.camera_rays.len() as u64;
-        self.setting.tracer.look(&self.camera_rays, &mut self.seen).map_err(|fault| self.stop(fault))
+        self.camera_count += self.beams.len() as u64;
+        self.setting.tracer.look(&self.beams, &mut self.seen).map_err(|fault| self.stop(fault))
     }
 
     fn keep_centres(&mut self) {
         let forward = self.setting.rays.forward();
-        for ((key, fragments), ray) in self.keys.iter().zip(self.seen.rays()).zip(&self.camera_rays) {
-            self.centres[key.slot as usize] = Hit::of(fragments, ray.direction.dot(forward));
+        for ((key, fragments), beam) in self.keys.iter().zip(self.seen.rays()).zip(&self.beams) {
+            self.centres[key.slot as usize] = Hit::of(fragments, beam.ray.direction.dot(forward));
         }
     }
 

@@ -117,6 +117,25 @@ impl<'s> Expander<'s> {
         Ok(group)
     }
 
+    /// What the program says shall stand for a state from far away; none if it says nothing.
+    ///
+    /// # Errors
+    /// As [`Expander::expand`].
+    pub fn expand_proxy(&self, state: &State) -> Result<Option<Group>, Fault> {
+        let Entry::Select(id) = state.entry else {
+            return Ok(None);
+        };
+        let Some(proxy) = self.graph.select(id).proxy else {
+            return Ok(None);
+        };
+        let (left, copies) = (self.limits.items, self.limits.repeat);
+        let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
+        let (env, route) = (self.env(state), Route::START);
+        let mut group = Group::default();
+        walk.add(&mut group, proxy, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        Ok(Some(group))
+    }
+
     /// What to tell about a state in the trail of a fault below it.
     pub fn trail_step(&self, state: &State, origin: Origin) -> TrailStep {
         match state.entry {

@@ -75,7 +75,7 @@ impl Seen {
     }
 }
 
-/// A piece of surface that a ray met.
+/// A piece of surface that a ray met, or many pieces that are too small to be told apart.
 #[derive(Clone, Debug)]
 pub struct Fragment {
     /// How much of what lies behind it hides: 1 is opaque.
@@ -85,16 +85,42 @@ pub struct Fragment {
     /// Where in the world.
     pub position: DVec3,
     /// The surface's normal there, of length 1. It points out of the solid; a surface without an inside shows its normal on the
-    /// side that the ray came from.
+    /// side that the ray came from. Of many surfaces that are too small to be told apart it is the direction of the mean normal.
     pub normal: DVec3,
+    /// How much the normals there differ: 0 where there is one, up to 1 where there are those of all sides. The mean normal has
+    /// the length 1 - spread.
+    pub spread: f64,
+    /// How much of what faces a light there is not in the shadow of something else there: 1 on a surface.
+    pub open: f64,
     /// Its paint; none is matt grey.
     pub material: Option<MaterialId>,
+    /// Whether the paint could not be found out, since what the fragment stands for is being measured itself.
+    pub unknown: bool,
     /// A hash of the route of choices and copies that led to the solid. The same solid has the same route in every tracer.
     pub route: u64,
     /// The primitive's place in the text.
     pub origin: Origin,
     /// Which primitive it is: rays that start here are told apart from rays that come back.
     pub site: Site,
+}
+
+impl Fragment {
+    /// An opaque piece of one surface.
+    pub fn of_surface(depth: f64, position: DVec3, normal: DVec3, origin: Origin) -> Self {
+        Self {
+            coverage: 1.0,
+            depth,
+            position,
+            normal,
+            spread: 0.0,
+            open: 1.0,
+            material: None,
+            unknown: false,
+            route: 0,
+            origin,
+            site: Site::default(),
+        }
+    }
 }
 
 /// Names one primitive among all that a scene stands for, for the tracer that made it: the numbers of the parts on the way to it,
@@ -110,11 +136,36 @@ pub struct Site {
     pub face: u8,
 }
 
-/// A ray that starts on a surface.
-#[derive(Clone, Debug)]
-pub struct SurfaceRay {
-    /// The ray.
+/// A ray as wide as what it stands for: recursion is not followed into what is smaller.
+///
+/// At `t` the beam is `width + spread * t` wide, in lengths of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Its middle.
     pub ray: Ray,
+    /// How wide it is where it starts.
+    pub width: f64,
+    /// By how much it grows in a unit of t.
+    pub spread: f64,
+}
+
+impl Beam {
+    /// A beam without width: recursion is followed to its end.
+    pub fn thin(ray: Ray) -> Self {
+        Self { ray, width: 0.0, spread: 0.0 }
+    }
+
+    /// How wide it is at `t`; before its start as wide as there.
+    pub fn width_at(&self, t: f64) -> f64 {
+        self.width + self.spread * t.max(0.0)
+    }
+}
+
+/// A beam that starts on a surface.
+#[derive(Clone, Debug)]
+pub struct SurfaceBeam {
+    /// The beam.
+    pub beam: Beam,
     /// The surface it starts on.
     pub from: Site,
 }
@@ -128,19 +179,20 @@ pub struct RayFault {
     pub fault: Fault,
 }
 
-/// Something that finds what rays meet. Rays come in batches, near ones together.
+/// Something that finds what beams meet. They come in batches, near ones together.
 pub trait Tracer: Sync {
-    /// What each of the rays sees: `seen` is cleared first.
+    /// What each of the beams sees: `seen` is cleared first.
     ///
     /// # Errors
-    /// The fault of the lowest ray that meets one.
-    fn look(&self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault>;
+    /// The fault of the lowest beam that meets one.
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault>;
 
-    /// Whether each of the rays meets anything at all: `blocked` is cleared, then holds one answer a ray.
+    /// How much of the light comes through to where each of the beams starts, from 0 to 1: `light` is cleared, then holds
+    /// one answer a beam.
     ///
     /// # Errors
-    /// The fault of the lowest ray that meets one.
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault>;
+    /// The fault of the lowest beam that meets one.
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault>;
 
     /// A box around all that is finite in the scene; empty when nothing is.
     ///

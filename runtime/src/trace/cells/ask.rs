@@ -2,10 +2,11 @@
 
 use smallvec::SmallVec;
 
+use super::measure::Measuring;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
 use crate::geometry::FACE;
-use crate::trace::Site;
+use crate::trace::{Beam, Site};
 
 /// No part, or no trail.
 pub(super) const NONE: u32 = u32::MAX;
@@ -113,26 +114,153 @@ impl Trails {
     }
 }
 
+/// What lets some of what lies behind it be seen: what stands for a part where recursion ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Veil {
+    /// The ray's number in its packet.
+    pub(super) ray: u8,
+    pub(super) t: f64,
+    /// How much it hides.
+    pub(super) coverage: f64,
+    /// The instance that it stands for.
+    pub(super) mark: Mark,
+}
+
+/// What is noted on the way of rays.
+#[derive(Debug, Default)]
+pub(super) struct Notes {
+    pub(super) trails: Trails,
+    /// The veils of all rays of a packet, in no order.
+    pub(super) veils: Vec<Veil>,
+}
+
+impl Notes {
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.trails.clear();
+        self.veils.clear();
+    }
+}
+
+/// How wide a beam is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Girth {
+    pub(super) width: f64,
+    pub(super) spread: f64,
+}
+
+impl Girth {
+    /// Of a beam.
+    pub(super) fn of(beam: &Beam) -> Self {
+        Self { width: beam.width, spread: beam.spread }
+    }
+
+    /// How wide it is at `t`.
+    #[inline(always)]
+    pub(super) fn at(self, t: f64) -> f64 {
+        self.width + self.spread * if t > 0.0 { t } else { 0.0 }
+    }
+}
+
+/// How much light is lost on a way. Losses are whole numbers, so that their sum does not depend on their order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Loss(u64);
+
+impl Loss {
+    const UNIT: f64 = (1_u64 << 32) as f64;
+    /// So much is lost that what is left does not count.
+    const DARK: Self = Self(6 << 32);
+
+    /// What a veil takes away that hides so much.
+    pub(super) fn by(coverage: f64) -> Self {
+        let open = 1.0 - coverage;
+        if open < 1e-3 { Self::DARK } else { Self((-libm::log(open) * Self::UNIT) as u64) }
+    }
+
+    #[must_use]
+    pub(super) fn and(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+
+    pub(super) fn is_dark(self) -> bool {
+        self >= Self::DARK
+    }
+
+    /// How much light is left.
+    pub(super) fn left(self) -> f64 {
+        if self.0 == 0 {
+            1.0
+        } else if self.is_dark() {
+            0.0
+        } else {
+            libm::exp(-(self.0 as f64 / Self::UNIT))
+        }
+    }
+}
+
+impl PartialOrd for Loss {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        self.0.partial_cmp(&other.0)
+    }
+}
+
 /// A question along one ray.
 #[derive(Debug)]
 pub(super) struct Ask<'q> {
     pub(super) question: Question,
     /// The surface the ray starts on.
     pub(super) from: Option<&'q Site>,
+    pub(super) girth: Girth,
+    /// The ray's number in its packet.
+    pub(super) ray: u8,
     /// Where the nearest hit is so far, or the exit.
     pub(super) best: f64,
     pub(super) found: Found,
     /// Whether the search is over: the ray starts inside something, or meets something where that is all that is asked.
     pub(super) over: bool,
-    pub(super) trails: &'q mut Trails,
+    /// How much light veils have taken, where that is asked.
+    pub(super) loss: Loss,
+    pub(super) notes: &'q mut Notes,
     pub(super) steps: u64,
     /// Searches inside one another to here.
     pub(super) nested: u32,
+    /// The states that are being measured, if this is a ray that measures.
+    pub(super) measuring: Option<&'q Measuring<'q>>,
 }
 
 impl<'q> Ask<'q> {
-    pub(super) fn new(question: Question, from: Option<&'q Site>, best: f64, trails: &'q mut Trails) -> Self {
-        Self { question, from, best, found: Found::NOTHING, over: false, trails, steps: 0, nested: 0 }
+    pub(super) fn new(question: Question, from: Option<&'q Site>, girth: Girth, notes: &'q mut Notes) -> Self {
+        Self {
+            question,
+            from,
+            girth,
+            ray: 0,
+            best: f64::INFINITY,
+            found: Found::NOTHING,
+            over: false,
+            loss: Loss::default(),
+            notes,
+            steps: 0,
+            nested: 0,
+            measuring: None,
+        }
+    }
+
+    /// A veil hides so much at t.
+    pub(super) fn veil(&mut self, t: f64, coverage: f64, mark: Mark) {
+        if !(t > 0.0 && coverage > 0.0) {
+            return;
+        }
+        match self.question {
+            Question::Nearest if t <= self.best => {
+                self.notes.veils.push(Veil { ray: self.ray, t, coverage, mark });
+            }
+            Question::Any => {
+                self.loss = self.loss.and(Loss::by(coverage));
+                self.over |= self.loss.is_dark();
+            }
+            Question::Nearest | Question::Exit | Question::Surface => {}
+        }
     }
 
     /// Counts a step.
@@ -184,7 +312,7 @@ impl<'q> Ask<'q> {
     /// Takes an event for the best one. Where two are at the same place, the one written first is.
     #[inline(always)]
     fn take(&mut self, event: Event) {
-        if event.t == self.best && !self.found.is_nothing() && !self.trails.is_before(event.mark, self.found.mark()) {
+        if event.t == self.best && !self.found.is_nothing() && !self.notes.trails.is_before(event.mark, self.found.mark()) {
             return;
         }
         self.best = event.t;

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::ask::{Ask, Mark, NONE};
 use super::boxes::{BoxRay, lanes_of};
-use super::cell::{Boolean, Cell, Leaf, Named, Ref, Union};
+use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref, Union};
 use super::deep::deeper;
 use super::ray::{Local, Steps};
 use super::store::Generation;
@@ -37,6 +37,8 @@ pub(super) struct Place<'c> {
     pub(super) trail: u32,
     /// States inside one another to here.
     pub(super) levels: u32,
+    /// At least the length in the world of what is 1 long in the cell.
+    pub(super) unit: f64,
 }
 
 /// The stretch of a ray that is asked for.
@@ -52,9 +54,9 @@ pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
 impl<'c> Place<'c> {
     /// A ray in a cell.
     pub(super) fn new(cell: &'c Cell, passage: &Passage) -> Self {
-        let Passage { ray: near, boxes, from, trail, position, levels, .. } = *passage;
+        let Passage { ray: near, boxes, from, trail, position, levels, unit, .. } = *passage;
         let (ray, shift) = if from == NONE { (near, 0.0) } else { (near.counted_from_start(), near.own(0.0)) };
-        Self { cell, ray, boxes, shift, from, position: position as usize, trail, levels }
+        Self { cell, ray, boxes, shift, from, position: position as usize, trail, levels, unit }
     }
 }
 
@@ -158,11 +160,15 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let from = if place.from == instance.part { self.ask.start_part(position) } else { NONE };
         // Boxes are always met from the point nearest the centre.
         let (near, near_steps) = place.ray.entered(&instance.way);
+        if instance.side * place.unit < self.ask.girth.at(near.start()) {
+            return Ok(closed(place, instance));
+        }
         let boxes = BoxRay::new(near.origin, near.direction);
         let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_at_start(&instance.way) };
         let shift = if from == NONE { 0.0 } else { near.own(0.0) };
-        let trail = self.ask.trails.on(place.trail, instance.part);
-        let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels };
+        let trail = self.ask.notes.trails.on(place.trail, instance.part);
+        let unit = place.unit * instance.way.unit;
+        let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels, unit };
         let range = (steps.inwards(range.0), steps.inwards(range.1));
         let tolerance = steps.length_inwards(tolerance);
         let generation = self.generation;
@@ -190,6 +196,14 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         }
         Ok(())
     }
+}
+
+/// The piece inside the box of an instance: inside Booleans recursion ends in closed boxes, since they need an inside.
+fn closed(place: &Place, instance: &Instance) -> Line {
+    let mark = Mark { trail: place.trail, part: instance.part, face: 0 };
+    let end = |t| End { t, surface: mark, flipped: false };
+    let piece = place.ray.between(&instance.bounds).map(|(near, far)| Interval { near: end(near), far: end(far) });
+    Line::of_sorted(piece)
 }
 
 /// The number of the first part in a member.

@@ -42,12 +42,31 @@ const TOLERANCE: f64 = 1e-12;
 /// # Errors
 /// What fails in expanding what is in the state, or in finding how far it reaches.
 pub(super) fn build(store: &Store, state: u32) -> Result<Cell, Fault> {
-    let frame = store.frame(state)?;
     let drafts = Merge { store, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
+    lay_out(store, state, drafts)
+}
+
+/// The cell of what the program says shall stand for a state from far away, in the frame of the state's own cell; none if it
+/// says nothing.
+///
+/// # Errors
+/// As [`build`].
+pub(super) fn build_proxy(store: &Store, state: u32) -> Result<Option<Cell>, Fault> {
+    let Some(pieces) = store.proxy_pieces(state)? else {
+        return Ok(None);
+    };
+    let mut drafts = Vec::new();
+    draft(store, &pieces, Way::START, &mut drafts)?;
+    lay_out(store, state, drafts).map(Some)
+}
+
+fn lay_out(store: &Store, state: u32, drafts: Vec<Draft>) -> Result<Cell, Fault> {
+    let frame = store.frame(state)?;
     let mut layout = Layout { store, frame, cell: Cell::default() };
     layout.cell.unions.push(Union::default());
-    let (union, _) = layout.union(drafts, 1)?;
+    let (union, whole) = layout.union(drafts, 1)?;
     layout.cell.unions[0] = union;
+    layout.cell.bounds = if whole.is_finite() { frame.inwards(&whole) } else { Aabb::EMPTY };
     layout.cell.levels = layout.cell.parts.iter().map(|it| it.levels).max().unwrap_or(0);
     Ok(layout.cell.shrunk())
 }
@@ -339,8 +358,10 @@ impl Layout<'_, '_> {
         let part = self.part(member, way, origin);
         let inner_from_state = self.store.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
         let inwards = Inwards::new(inner_from_state * self.frame.state_from_cell());
-        self.cell.instances.push(Instance { way: inwards, state, part });
         let bounds = self.store.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
+        let own = self.frame.inwards(&bounds);
+        let side = if own.is_finite() { (own.max - own.min).max_element() } else { f64::INFINITY };
+        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side });
         Ok((member, bounds))
     }
 

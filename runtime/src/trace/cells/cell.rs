@@ -19,7 +19,7 @@ use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
 /// A state expanded and merged.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Cell {
     /// The cell itself, then the operands of its Booleans.
     pub(super) unions: Vec<Union>,
@@ -37,6 +37,8 @@ pub(super) struct Cell {
     pub(super) parts: Vec<Part>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
     pub(super) levels: u32,
+    /// The box of all in it, in its own frame; empty if it does not end.
+    pub(super) bounds: Aabb,
 }
 
 /// The union of some members of a cell.
@@ -117,6 +119,22 @@ pub(super) enum LeafShape {
     Other(u32),
 }
 
+impl Default for Cell {
+    fn default() -> Self {
+        Self {
+            unions: Vec::new(),
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            others: Vec::new(),
+            instances: Vec::new(),
+            booleans: Vec::new(),
+            parts: Vec::new(),
+            levels: 0,
+            bounds: Aabb::EMPTY,
+        }
+    }
+}
+
 impl Cell {
     /// A leaf as a primitive.
     pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
@@ -136,6 +154,10 @@ pub(super) struct Instance {
     pub(super) state: u32,
     /// Its number.
     pub(super) part: u32,
+    /// What it looks like from far away needs to know: its box in this cell, and the longest side of that, infinite where it
+    /// does not end.
+    pub(super) bounds: Aabb,
+    pub(super) side: f64,
 }
 
 /// An intersection or a difference in a cell.

@@ -18,8 +18,11 @@ mod build;
 mod bvh;
 mod cell;
 mod deep;
+mod ending;
+mod measure;
 mod packet;
 mod piece;
+mod proxy;
 mod ray;
 mod resolve;
 mod store;
@@ -28,7 +31,7 @@ mod traverse;
 
 pub use store::Counts;
 
-use self::ask::{Ask, Found, NONE, Question, Trails};
+use self::ask::{Ask, Found, Girth, NONE, Notes, Question};
 use self::boxes::BoxRay;
 use self::cell::Cell;
 use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
@@ -36,7 +39,7 @@ use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
 use self::traverse::{Passage, Scratch, Start, Tracing};
-use super::{RayFault, Seen, SurfaceRay, Tracer};
+use super::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
@@ -91,15 +94,15 @@ pub fn finite_bounds(scene: &Scene, limits: &Limits) -> Result<Aabb, Fault> {
 }
 
 impl Tracer for CellTracer<'_> {
-    fn look(&self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
         seen.clear();
-        dispatch(Look { tracer: self, rays, seen })
+        dispatch(Look { tracer: self, beams, seen })
     }
 
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
-        blocked.clear();
-        blocked.reserve(rays.len());
-        dispatch(Blocked { tracer: self, rays, blocked })
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        light.reserve(beams.len());
+        dispatch(Light { tracer: self, beams, light })
     }
 
     fn finite_bounds(&self) -> Result<Aabb, Fault> {
@@ -109,7 +112,7 @@ impl Tracer for CellTracer<'_> {
 
 struct Look<'a, 's> {
     tracer: &'a CellTracer<'s>,
-    rays: &'a [Ray],
+    beams: &'a [Beam],
     seen: &'a mut Seen,
 }
 
@@ -118,13 +121,13 @@ impl Task for Look<'_, '_> {
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, rays, seen } = self;
-        while seen.len() < rays.len() {
+        let Self { tracer, beams, seen } = self;
+        while seen.len() < beams.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            while seen.len() < rays.len() {
+            while seen.len() < beams.len() {
                 let start = seen.len();
-                let packet = &rays[start..rays.len().min(start + RAYS)];
+                let packet = &beams[start..beams.len().min(start + RAYS)];
                 caster
                     .look_all(packet, seen)
                     .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
@@ -137,26 +140,26 @@ impl Task for Look<'_, '_> {
     }
 }
 
-struct Blocked<'a, 's> {
+struct Light<'a, 's> {
     tracer: &'a CellTracer<'s>,
-    rays: &'a [SurfaceRay],
-    blocked: &'a mut Vec<bool>,
+    beams: &'a [SurfaceBeam],
+    light: &'a mut Vec<f64>,
 }
 
-impl Task for Blocked<'_, '_> {
+impl Task for Light<'_, '_> {
     type Output = Result<(), RayFault>;
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, rays, blocked } = self;
-        while blocked.len() < rays.len() {
+        let Self { tracer, beams, light } = self;
+        while light.len() < beams.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            while blocked.len() < rays.len() {
-                let start = blocked.len();
-                let packet = &rays[start..rays.len().min(start + RAYS)];
+            while light.len() < beams.len() {
+                let start = light.len();
+                let packet = &beams[start..beams.len().min(start + RAYS)];
                 caster
-                    .blocked_all(packet, blocked)
+                    .light_all(packet, light)
                     .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
@@ -174,7 +177,7 @@ struct Caster<'a, 's, 'g, K: Kernel> {
     generation: &'g Generation,
     together: PacketScratch<'g, K>,
     alone: Scratch<'g>,
-    trails: Trails,
+    notes: Notes,
     resolver: Resolver<'a, 's, 'g>,
 }
 
@@ -187,83 +190,88 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             generation,
             together: PacketScratch::default(),
             alone: Scratch::default(),
-            trails: Trails::default(),
-            resolver: Resolver::new(&tracer.store, generation, tracer.root, &tracer.cell_from_world),
+            notes: Notes::default(),
+            resolver: Resolver::of_state(&tracer.store, generation, tracer.root, &tracer.cell_from_world),
         }
     }
 
-    /// What the rays of a packet see.
+    /// What the beams of a packet see.
     #[inline(always)]
-    fn look_all(&mut self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
-        let mut ask = PacketAsk::new(Question::Nearest, all_of(rays.len()), [None; RAYS]);
-        if rays.len() == 1 || !self.ask_together(&mut ask, |lane| rays[lane.min(rays.len() - 1)]) {
-            return self.look_each(rays, seen);
+    fn look_all(&mut self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        let mut packet = [beams[0]; RAYS];
+        packet[..beams.len()].copy_from_slice(beams);
+        let mut ask = PacketAsk::new(Question::Nearest, all_of(beams.len()), &packet, [None; RAYS]);
+        if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
+            return self.look_each(beams, seen);
         }
-        for (number, ray) in rays.iter().enumerate() {
+        for (number, beam) in beams.iter().enumerate() {
             let looked = if ask.over >> number & 1 == 1 {
-                self.look_out(ray, seen)
+                self.look_out(beam, seen)
             } else {
                 let (depth, found) = ask.found(number);
-                self.see(&Hit { ray, depth, found }, seen)
+                self.see(&Hit { ray: &beam.ray, number: number as u8, depth, found }, seen)
             };
             looked.map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
 
-    /// What rays see, one after another: the first that meets a fault is the lowest.
+    /// What beams see, one after another: the first that meets a fault is the lowest.
     #[cold]
     #[inline(never)]
-    fn look_each(&mut self, rays: &[Ray], seen: &mut Seen) -> Result<(), RayFault> {
-        for (number, ray) in rays.iter().enumerate() {
-            self.look(ray, seen).map_err(|fault| RayFault { ray: number, fault })?;
+    fn look_each(&mut self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        for (number, beam) in beams.iter().enumerate() {
+            self.look(beam, seen).map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
 
-    fn look(&mut self, ray: &Ray, seen: &mut Seen) -> Result<(), Fault> {
-        let mut trails = self.new_trails();
-        let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY, &mut trails);
-        let asked = self.ask_alone(&mut ask, ray);
+    fn look(&mut self, beam: &Beam, seen: &mut Seen) -> Result<(), Fault> {
+        let mut notes = self.new_notes();
+        let mut ask = Ask::new(Question::Nearest, None, Girth::of(beam), &mut notes);
+        let asked = self.ask_alone(&mut ask, &beam.ray);
         let Ask { best: depth, found, over, .. } = ask;
-        self.trails = trails;
+        self.notes = notes;
         asked?;
-        if over { self.look_out(ray, seen) } else { self.see(&Hit { ray, depth, found }, seen) }
+        if over { self.look_out(beam, seen) } else { self.see(&Hit { ray: &beam.ray, number: 0, depth, found }, seen) }
     }
 
     /// What a ray saw.
     #[inline(always)]
     fn see(&mut self, hit: &Hit, seen: &mut Seen) -> Result<(), Fault> {
-        self.resolver.see(&self.trails, hit, seen)?;
+        self.resolver.see(&self.notes, hit, None, seen)?;
         seen.end_ray();
         Ok(())
     }
 
-    /// The place for trails, to be filled anew.
+    /// Room for notes, to be filled anew.
     #[inline(always)]
-    fn new_trails(&mut self) -> Trails {
+    fn new_notes(&mut self) -> Notes {
         self.resolver.forget();
-        let mut trails = std::mem::take(&mut self.trails);
-        trails.clear();
-        trails
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.clear();
+        notes
     }
 
     /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
     #[cold]
     #[inline(never)]
-    fn look_out(&mut self, ray: &Ray, seen: &mut Seen) -> Result<(), Fault> {
-        let mut trails = std::mem::take(&mut self.trails);
-        let asked = self.ask_out(ray, &mut trails);
-        self.trails = trails;
+    fn look_out(&mut self, beam: &Beam, seen: &mut Seen) -> Result<(), Fault> {
+        /// Not the number of a ray in a packet: what is too small to be told apart is not seen from inside of something.
+        const NO_RAY: u8 = u8::MAX;
+        let mut notes = std::mem::take(&mut self.notes);
+        let asked = self.ask_out(beam, &mut notes);
+        self.notes = notes;
         let (depth, found) = asked?;
-        self.see(&Hit { ray, depth, found }, seen)
+        self.see(&Hit { ray: &beam.ray, number: NO_RAY, depth, found }, seen)
     }
 
-    fn ask_out(&mut self, ray: &Ray, trails: &mut Trails) -> Result<(f64, Found), Fault> {
-        let mut ask = Ask::new(Question::Exit, None, 0.0, trails);
+    fn ask_out(&mut self, beam: &Beam, notes: &mut Notes) -> Result<(f64, Found), Fault> {
+        let mut ask = Ask::new(Question::Exit, None, Girth::of(beam), notes);
+        ask.best = 0.0;
         loop {
             let before = ask.best;
-            self.ask_alone(&mut ask, ray)?;
+            self.ask_alone(&mut ask, &beam.ray)?;
             // A solid that begins before this exit may have been passed over while the exit was nearer.
             if ask.best == before || ask.best == f64::INFINITY {
                 break;
@@ -273,61 +281,59 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             ask.found = Found::NOTHING;
         }
         ask.question = Question::Surface;
-        self.ask_alone(&mut ask, ray)?;
+        self.ask_alone(&mut ask, &beam.ray)?;
         Ok((ask.best, ask.found))
     }
 
-    /// Whether the rays of a packet meet anything.
+    /// How much light comes to the beams of a packet.
     #[inline(always)]
-    fn blocked_all(&mut self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
+    fn light_all(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let mut packet = [beams[0].beam; RAYS];
         let mut from = [None; RAYS];
-        for (from, ray) in from.iter_mut().zip(rays) {
-            *from = Some(&ray.from);
+        for (number, it) in beams.iter().enumerate() {
+            packet[number] = it.beam;
+            from[number] = Some(&it.from);
         }
-        let mut ask = PacketAsk::new(Question::Any, all_of(rays.len()), from);
-        if rays.len() == 1 || !self.ask_together(&mut ask, |lane| rays[lane.min(rays.len() - 1)].ray) {
-            return self.blocked_each(rays, blocked);
+        let mut ask = PacketAsk::new(Question::Any, all_of(beams.len()), &packet, from);
+        if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
+            return self.light_each(beams, light);
         }
-        blocked.extend((0..rays.len()).map(|ray| ask.over >> ray & 1 == 1));
+        light.extend((0..beams.len()).map(|ray| ask.light(ray)));
         Ok(())
     }
 
     #[cold]
     #[inline(never)]
-    fn blocked_each(&mut self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
-        for (number, ray) in rays.iter().enumerate() {
-            let mut trails = self.new_trails();
-            let mut ask = Ask::new(Question::Any, Some(&ray.from), f64::INFINITY, &mut trails);
-            let asked = self.ask_alone(&mut ask, &ray.ray);
-            let over = ask.over;
-            self.trails = trails;
+    fn light_each(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        for (number, it) in beams.iter().enumerate() {
+            let mut notes = self.new_notes();
+            let mut ask = Ask::new(Question::Any, Some(&it.from), Girth::of(&it.beam), &mut notes);
+            let asked = self.ask_alone(&mut ask, &it.beam.ray);
+            let left = if ask.over { 0.0 } else { ask.loss.left() };
+            self.notes = notes;
             asked.map_err(|fault| RayFault { ray: number, fault })?;
-            blocked.push(over);
+            light.push(left);
         }
         Ok(())
     }
 
-    /// Asks along the rays of a packet. If one of them has met a fault, or there is no room for a cell of the scene, they
+    /// Asks along the beams of a packet. If one of them has met a fault, or there is no room for a cell of the scene, they
     /// have to ask one by one.
     #[inline(always)]
-    fn ask_together(&mut self, ask: &mut PacketAsk, ray: impl Fn(usize) -> Ray) -> bool {
+    fn ask_together(&mut self, ask: &mut PacketAsk, packet: &[Beam; RAYS]) -> bool {
         let Some(cell) = self.root() else {
             return false;
         };
-        let mut rays = [ray(0); RAYS];
-        for (lane, it) in rays.iter_mut().enumerate() {
-            *it = ray(lane);
-        }
         self.resolver.forget();
-        self.trails.clear();
+        self.notes.clear();
         let mut search = PacketSearch {
             tracing: &self.tracing,
             generation: self.generation,
             scratch: &mut self.together,
-            trails: &mut self.trails,
+            notes: &mut self.notes,
             ask,
         };
-        search.search(cell, self.tracer.root, &rays, &self.tracer.cell_from_world).is_ok()
+        search.search(cell, self.tracer.root, packet, &self.tracer.cell_from_world).is_ok()
     }
 
     /// The scene's cell, if there is room for it.
@@ -351,9 +357,10 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     fn ask(&mut self, ask: &mut Ask, ray: &Ray) -> Result<(), Fault> {
         let (store, state) = (self.tracing.store, self.tracer.root);
         let ray = Local::new(ray, &self.tracer.cell_from_world);
+        let unit = self.tracer.cell_from_world.unit;
         let boxes = BoxRay::new(ray.origin, ray.direction);
         let (called, from) = (Origin::NONE, ask.start_part(0));
-        let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0 };
+        let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0, unit };
         match store.cell(self.generation, state)? {
             Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Start { cell, passage }),
             None => self.ask_unkept(ask, passage),

@@ -5,17 +5,18 @@
 
 use pulp::{Simd, f32x16, f64x8, u64x8};
 
-use super::ask::{Ask, Found, Mark, NONE, Question, Trails, start_part};
+use super::ask::{Ask, Found, Girth, Loss, Mark, NONE, Notes, Question, start_part};
 use super::boxes::{BoxRays, Met, Node, WIDTH, lanes_of};
 use super::cell::{Cell, Leaf, LeafShape, Named, Ref};
+use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
-use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at};
 use crate::fault::Fault;
 use crate::form::Origin;
-use crate::geometry::{Convex, Ray};
+use crate::geometry::Convex;
 use crate::lanes::{EIGHT, Kernel, Mask, Wide};
-use crate::trace::Site;
+use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
 pub(super) const RAYS: usize = 16;
@@ -34,19 +35,63 @@ pub(super) struct PacketAsk<'q> {
     pub(super) asking: u32,
     /// The rays whose search is over, as [`Ask::over`].
     pub(super) over: u32,
+    /// How wide the beams are, and by how much they grow.
+    width: Halves<f64x8>,
+    spread: Halves<f64x8>,
     best: Halves<f64x8>,
     found: Halves<u64x8>,
+    /// How much light veils have taken.
+    loss: [Loss; RAYS],
     /// How often something nearer has been found.
     changes: u32,
     steps: u64,
 }
 
 impl<'q> PacketAsk<'q> {
-    /// A question along the rays of the bits that are set.
-    pub(super) fn new(question: Question, asking: u32, from: [Option<&'q Site>; RAYS]) -> Self {
-        let best = pulp::cast([f64::INFINITY; EIGHT]);
-        let found = pulp::cast([Found::NOTHING.0; EIGHT]);
-        Self { question, from, asking, over: 0, best: [best; 2], found: [found; 2], changes: 0, steps: 0 }
+    /// A question along the beams of the bits that are set.
+    #[inline(always)]
+    pub(super) fn new(
+        question: Question,
+        asking: u32,
+        beams: &[Beam; RAYS],
+        from: [Option<&'q Site>; RAYS],
+    ) -> Self {
+        let (mut width, mut spread) = ([[0.0; EIGHT]; 2], [[0.0; EIGHT]; 2]);
+        for (number, beam) in beams.iter().enumerate() {
+            width[number / EIGHT][number % EIGHT] = beam.width;
+            spread[number / EIGHT][number % EIGHT] = beam.spread;
+        }
+        Self {
+            question,
+            from,
+            asking,
+            over: 0,
+            width: pulp::cast(width),
+            spread: pulp::cast(spread),
+            best: [pulp::cast([f64::INFINITY; EIGHT]); 2],
+            found: [pulp::cast([Found::NOTHING.0; EIGHT]); 2],
+            loss: [Loss::default(); RAYS],
+            changes: 0,
+            steps: 0,
+        }
+    }
+
+    /// How much light comes to a ray.
+    pub(super) fn light(&self, ray: usize) -> f64 {
+        if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() }
+    }
+
+    /// The question of one of the rays.
+    fn of_ray<'a>(&self, ray: usize, notes: &'a mut Notes) -> Ask<'a>
+    where
+        'q: 'a,
+    {
+        let number = |it: &Halves<f64x8>| pulp::cast::<f64x8, [f64; EIGHT]>(it[ray / EIGHT])[ray % EIGHT];
+        let girth = Girth { width: number(&self.width), spread: number(&self.spread) };
+        let (best, found) = self.found(ray);
+        let mut ask = Ask::new(self.question, self.from[ray], girth, notes);
+        (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
+        ask
     }
 
     /// Where a ray has met something, and what.
@@ -57,7 +102,9 @@ impl<'q> PacketAsk<'q> {
     }
 
     /// Takes what a ray has found by itself.
-    fn answer(&mut self, ray: usize, best: f64, found: Found, over: bool) {
+    fn answer(&mut self, ray: usize, answer: Answer) {
+        let Answer { best, found, over, loss } = answer;
+        self.loss[ray] = loss;
         if over {
             self.end(1 << ray);
         }
@@ -73,10 +120,38 @@ impl<'q> PacketAsk<'q> {
         self.changes += 1;
     }
 
+    /// The beams that are wider, where they are nearest to the centres of their frames, than a length.
+    #[inline(always)]
+    fn wider<K: Kernel>(&self, kernel: K, [low, high]: &Halves<Locals<K::Lanes>>, length: f64) -> u32 {
+        let lanes = kernel.lanes();
+        let (zero, length) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, length));
+        let mut bits = 0;
+        for (half, local) in [low, high].into_iter().enumerate() {
+            let t = local.offset.gt(zero).select(local.offset, zero);
+            let girth = Wide::new(lanes, self.width[half]) + Wide::new(lanes, self.spread[half]) * t;
+            bits |= kernel.bits(length.lt(girth).value) << (half * EIGHT);
+        }
+        bits
+    }
+
     /// A ray's search is over.
     fn end(&mut self, rays: u32) {
         self.over |= rays;
         self.asking &= !rays;
+    }
+}
+
+/// What a ray has found by itself.
+struct Answer {
+    best: f64,
+    found: Found,
+    over: bool,
+    loss: Loss,
+}
+
+impl Answer {
+    fn of(ask: &Ask) -> Self {
+        Self { best: ask.best, found: ask.found, over: ask.over, loss: ask.loss }
     }
 }
 
@@ -123,6 +198,8 @@ struct Way {
     trail: u32,
     position: u32,
     levels: u32,
+    /// As in [`Passage`].
+    unit: f64,
 }
 
 /// Rays in a cell.
@@ -152,7 +229,7 @@ pub(super) struct PacketSearch<'a, 'b, 's, 'g, 'q, K: Kernel> {
     pub(super) tracing: &'a Tracing<'b, 's, K>,
     pub(super) generation: &'g Generation,
     pub(super) scratch: &'a mut PacketScratch<'g, K>,
-    pub(super) trails: &'a mut Trails,
+    pub(super) notes: &'a mut Notes,
     pub(super) ask: &'a mut PacketAsk<'q>,
 }
 
@@ -166,13 +243,14 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         &mut self,
         cell: &'g Cell,
         state: u32,
-        rays: &[Ray; RAYS],
+        beams: &[Beam; RAYS],
         cell_from_world: &Inwards,
     ) -> Result<(), Fault> {
         self.scratch.ahead.clear();
         self.scratch.depth = 1;
         let kernel = self.tracing.kernel;
-        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0 };
+        let unit = cell_from_world.unit;
+        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit };
         let asking = self.ask.asking;
         let frame = match self.scratch.frames.first_mut() {
             Some(frame) => frame,
@@ -182,7 +260,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             }
         };
         (frame.cell, frame.way) = (cell, way);
-        let (low, high) = rays.split_at(EIGHT);
+        let (low, high) = beams.split_at(EIGHT);
         let lanes = kernel.lanes();
         frame.rays.local =
             [Locals::of_world(lanes, low, cell_from_world), Locals::of_world(lanes, high, cell_from_world)];
@@ -257,16 +335,13 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         for ray in lanes_of(rays) {
             let start = Start { cell: frame.cell, passage: frame.passage(ray) };
-            let (best, found) = self.ask.found(ray);
-            let mut ask = Ask::new(self.ask.question, self.ask.from[ray], best, self.trails);
-            ask.found = found;
-            ask.steps = self.ask.steps;
+            let mut ask = self.ask.of_ray(ray, self.notes);
             tracing.kernel.vectorize(
                 #[inline(always)]
                 || tracing.search_in(generation, alone, &mut ask, start, what),
             )?;
-            let Ask { best, found, over, .. } = ask;
-            self.ask.answer(ray, best, found, over);
+            let answer = Answer::of(&ask);
+            self.ask.answer(ray, answer);
         }
         Ok(())
     }
@@ -374,39 +449,54 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     #[inline(always)]
     fn go_into(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
         let kernel = self.tracing.kernel;
+        let depth = self.scratch.depth;
         let Some(Frame { cell: outer_cell, way: outer_way, .. }) = self.scratch.last() else {
             return Ok(());
         };
+        let (outer_cell, outer_way) = (*outer_cell, *outer_way);
         let instance = &outer_cell.instances[number as usize];
         let part = &outer_cell.parts[instance.part as usize];
-        let (state, called) = (instance.state, part.origin);
-        let (position, levels) = (outer_way.position + 1, outer_way.levels + part.levels);
-        let trail = self.trails.on(outer_way.trail, instance.part);
-        let cell = match self.generation.kept(state) {
-            Some(cell) => Some(cell),
-            None => self.made(state, called)?,
-        };
-        let Some(cell) = cell else {
-            return self.go_alone(rays, Ref::new(Named::Instance(number)));
-        };
-        let way = Way { state, called, trail, position, levels };
-        let depth = self.scratch.depth;
         if self.scratch.frames.len() == depth {
-            self.scratch.frames.push(Frame::blank(kernel, cell, way));
+            self.scratch.frames.push(Frame::blank(kernel, outer_cell, outer_way));
         }
         let (outer, inner) = self.scratch.frames.split_at_mut(depth);
         let (Some(outer), Some(inner)) = (outer.last(), inner.first_mut()) else {
             return Ok(());
         };
-        (inner.cell, inner.way) = (cell, way);
         for half in 0..2 {
             inner.rays.local[half] = outer.rays.local[half].entered(&instance.way).0;
         }
+        let ended = rays & self.ask.wider(kernel, &inner.rays.local, instance.side * outer_way.unit);
+        let rays = rays & !ended;
+        if rays == 0 {
+            return self.end(number, ended);
+        }
+        let (state, called) = (instance.state, part.origin);
+        let cell = match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => self.made(state, called)?,
+        };
+        let what = Ref::new(Named::Instance(number));
+        if ended != 0 {
+            // Few packets meet an instance that is as wide as they are.
+            self.go_alone(ended, what)?;
+        }
+        let Some(cell) = cell else {
+            return self.go_alone(rays, what);
+        };
+        let (outer, inner) = self.scratch.frames.split_at_mut(depth);
+        let (Some(outer), Some(inner)) = (outer.last(), inner.first_mut()) else {
+            return Ok(());
+        };
         inner.rays.boxes = if instance.way.is_straight() {
             outer.rays.boxes.moved(kernel, &inner.rays.local, rays)
         } else {
             BoxRays::new(kernel, &inner.rays.local, rays)
         };
+        let position = outer_way.position + 1;
+        let trail = self.notes.trails.on(outer_way.trail, instance.part);
+        let (levels, unit) = (outer_way.levels + part.levels, outer_way.unit * instance.way.unit);
+        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit });
         inner.starting = 0;
         for ray in lanes_of(outer.starting & rays) {
             if outer.from[ray] == instance.part {
@@ -415,6 +505,36 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         }
         self.scratch.depth += 1;
         self.enter(rays)
+    }
+
+    /// Recursion ends at an instance: all of the beams are as wide as that. Their ways inside are in the next frame.
+    #[inline(never)]
+    fn end(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
+        let depth = self.scratch.depth;
+        let [.., outer, inner] = &self.scratch.frames[..=depth] else {
+            return Ok(());
+        };
+        let (cell, way) = (outer.cell, outer.way);
+        let instance = &cell.instances[number as usize];
+        let called = cell.parts[instance.part as usize].origin;
+        let first = rays.trailing_zeros() as usize;
+        let mut ask = self.ask.of_ray(first, self.notes);
+        let looks = match ending(self.tracing, self.generation, instance.state, called, &mut ask)? {
+            Ended::Solid(_) => return self.go_alone(rays, Ref::new(Named::Instance(number))),
+            looks => looks,
+        };
+        for ray in lanes_of(rays) {
+            if outer.starting >> ray & 1 == 1 && outer.from[ray] == instance.part {
+                continue;
+            }
+            let (half, lane) = (ray / EIGHT, ray % EIGHT);
+            let (outer, inner) = (outer.rays.local[half].ray(lane), inner.rays.local[half].ray(lane));
+            let mut ask = self.ask.of_ray(ray, self.notes);
+            look_at(&mut ask, instance, way.trail, &outer, &inner, &looks);
+            let answer = Answer::of(&ask);
+            self.ask.answer(ray, answer);
+        }
+        Ok(())
     }
 
     /// A cell that is not there yet; none if there is no room to keep it.
@@ -526,12 +646,10 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             return;
         };
         for ray in lanes_of(rays) {
-            let (best, found) = self.ask.found(ray);
-            let mut ask = Ask::new(self.ask.question, self.ask.from[ray], best, self.trails);
-            ask.found = found;
+            let mut ask = self.ask.of_ray(ray, self.notes);
             super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
-            let Ask { best, found, over, .. } = ask;
-            self.ask.answer(ray, best, found, over);
+            let answer = Answer::of(&ask);
+            self.ask.answer(ray, answer);
         }
     }
 }
@@ -567,10 +685,11 @@ impl<'g, K: Kernel> Frame<'g, K> {
     /// One of the rays by itself.
     #[inline(always)]
     fn passage(&self, ray: usize) -> Passage {
-        let Way { state, called, trail, position, levels } = self.way;
+        let Way { state, called, trail, position, levels, unit } = self.way;
         let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
         let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
-        Passage { state, called, ray: local, boxes: self.rays.boxes.ray(ray), from, trail, position, levels }
+        let boxes = self.rays.boxes.ray(ray);
+        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit }
     }
 
     /// Finds where on each ray nothing more is of interest.

@@ -3,7 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 use pulp::{Simd, f64x8};
 
-use crate::geometry::{Lines, Ray};
+use crate::geometry::{Aabb, Lines, Ray};
+use crate::trace::Beam;
 use crate::lanes::{EIGHT, One, Wide, Wide3};
 
 /// A ray in the frame of a cell, with a direction of about length 1 and an origin of its own: the point nearest the
@@ -40,6 +41,10 @@ pub(super) struct Inwards {
     shrink: f64,
     /// Whether all directions stay what they are.
     straight: bool,
+    /// At least the length outside of what is 1 long inside.
+    pub(super) unit: f64,
+    /// The volume outside of what has the volume 1 inside.
+    pub(super) volume: f64,
 }
 
 impl Inwards {
@@ -53,7 +58,9 @@ impl Inwards {
         let similar = similar && stretch > 0.0 && shrink > 0.0;
         let straight = matrix == DMat3::from_diagonal(DVec3::splat(matrix.x_axis.x)) && matrix.x_axis.x > 0.0;
         let (stretch, shrink) = if similar { (stretch, shrink) } else { (0.0, 0.0) };
-        Self { inner_from_outer, stretch, shrink, straight }
+        let back = matrix.inverse();
+        let unit = if similar { shrink } else { super::bounds::stretch(&back) };
+        Self { inner_from_outer, stretch, shrink, straight, unit, volume: back.determinant().abs() }
     }
 
     /// The length of directions of length 1 once they are mapped, and its inverse.
@@ -155,6 +162,30 @@ impl Local {
         Self { origin: self.origin + self.direction * start, offset: 0.0, ..*self }
     }
 
+    /// The length in an outer frame of what is 1 long along this ray.
+    pub(super) fn length_in(&self, outer: &Self) -> f64 {
+        self.scale / outer.scale
+    }
+
+    /// The places between which it is in a box.
+    pub(super) fn between(&self, bounds: &Aabb) -> Option<(f64, f64)> {
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let (origin, speed) = (self.origin[axis], self.direction[axis]);
+            let (low, high) = (bounds.min[axis] - origin, bounds.max[axis] - origin);
+            if speed == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (low / speed, high / speed);
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+        (near < far).then_some((near, far))
+    }
+
     /// The t of a place on this ray.
     #[inline(always)]
     pub(super) fn world(&self, own: f64) -> f64 {
@@ -179,6 +210,12 @@ impl Local {
         let one = One::new();
         let origin = Wide3::splat(one, self.origin).mapped(inner_from_outer);
         Lines { origin, direction: Wide3::splat(one, self.direction).turned(&inner_from_outer.matrix3) }
+    }
+
+    /// The t of its own origin: where it is nearest to the centre of the cell.
+    #[inline(always)]
+    pub(super) fn start(&self) -> f64 {
+        self.offset
     }
 
     /// Whether it comes near enough to the origin to meet anything within -1 to 1 on each axis.
@@ -264,11 +301,11 @@ impl<S: Simd<f64s = f64x8>> Locals<S> {
         Self { origin: vector, direction: vector, offset: zero, scale: zero, inverse_scale: zero }
     }
 
-    /// Rays of the world in the frame of a cell; eight of them.
+    /// The rays of eight beams of the world in the frame of a cell.
     #[inline(always)]
-    pub(super) fn of_world(lanes: S, rays: &[Ray], cell_from_world: &Inwards) -> Self {
+    pub(super) fn of_world(lanes: S, beams: &[Beam], cell_from_world: &Inwards) -> Self {
         let (mut origin, mut direction) = ([[0.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
-        for (lane, ray) in rays.iter().enumerate().take(EIGHT) {
+        for (lane, Beam { ray, .. }) in beams.iter().enumerate().take(EIGHT) {
             for axis in 0..3 {
                 origin[axis][lane] = ray.origin[axis];
                 direction[axis][lane] = ray.direction[axis];

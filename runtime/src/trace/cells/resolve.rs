@@ -3,12 +3,16 @@
 //! Nothing of this is kept while a ray searches: most of what it meets on the way is not what it sees in the end. Rays side
 //! by side mostly see things in one cell, so what is known of the way to a cell is kept from one ray to the next.
 
+use std::sync::{Arc, LazyLock};
+
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::ask::{Found, Mark, Trails};
+use super::ask::{Found, Mark, Notes, Veil};
 use super::build::build;
-use super::cell::{Cell, Leaf, Named};
+use super::cell::{Cell, Leaf, Named, Part};
+use super::ending::{ENDED, Ending};
+use super::measure::{Known, Measuring};
 use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
 use crate::fault::Fault;
@@ -19,18 +23,30 @@ use crate::trace::{Fragment, Route, Seen, Site};
 /// A hit as a search leaves it.
 pub(super) struct Hit<'r> {
     pub(super) ray: &'r Ray,
+    /// The ray's number in its packet.
+    pub(super) number: u8,
     pub(super) depth: f64,
     pub(super) found: Found,
 }
+
+/// How much of what lies behind may be seen until nothing of it is.
+const CLOSED: f64 = 1.0 / 512.0;
 
 /// Finds out about hits in one generation of cells.
 pub(super) struct Resolver<'a, 's, 'g> {
     store: &'a Store<'s>,
     generation: &'g Generation,
-    root: u32,
+    root: Root<'a>,
     cell_from_world: &'a Inwards,
     /// The cell that the last hit was in.
     place: Option<Place<'g>>,
+}
+
+/// Where ways begin.
+#[derive(Clone, Copy)]
+enum Root<'a> {
+    State(u32),
+    Cell(&'a Cell),
 }
 
 /// A cell, and what has been collected on the way there.
@@ -51,25 +67,29 @@ struct Place<'g> {
 enum Held<'g> {
     Kept(&'g Cell),
     Own(Box<Cell>),
-}
-
-impl Held<'_> {
-    fn cell(&self) -> &Cell {
-        match self {
-            Self::Kept(cell) => cell,
-            Self::Own(cell) => cell,
-        }
-    }
+    /// The cell where ways begin, which is held elsewhere.
+    Root,
 }
 
 impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
-    pub(super) fn new(
+    /// For rays of the world through the cell of a state.
+    pub(super) fn of_state(
         store: &'a Store<'s>,
         generation: &'g Generation,
         root: u32,
         cell_from_world: &'a Inwards,
     ) -> Self {
-        Self { store, generation, root, cell_from_world, place: None }
+        Self { store, generation, root: Root::State(root), cell_from_world, place: None }
+    }
+
+    /// For rays through a cell by itself.
+    pub(super) fn of_cell(
+        store: &'a Store<'s>,
+        generation: &'g Generation,
+        root: &'a Cell,
+        cell_from_world: &'a Inwards,
+    ) -> Self {
+        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None }
     }
 
     /// Forgets where the last hit was: trails are about to be made anew.
@@ -77,32 +97,142 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         self.place = None;
     }
 
-    /// Adds what a ray sees where it has met something; nothing if it has not.
+    /// Adds what a ray sees, from front to back: the veils on the way and where it ends.
     ///
     /// # Errors
     /// What fails in expanding a state again that is not kept.
     #[inline]
-    pub(super) fn see(&mut self, trails: &Trails, hit: &Hit, seen: &mut Seen) -> Result<(), Fault> {
+    pub(super) fn see(
+        &mut self,
+        notes: &Notes,
+        hit: &Hit,
+        measuring: Option<&Measuring>,
+        seen: &mut Seen,
+    ) -> Result<(), Fault> {
+        if !notes.veils.is_empty() && !self.see_veils(notes, hit, measuring, seen)? {
+            return Ok(());
+        }
         if hit.found.is_nothing() {
             return Ok(());
         }
         let mark = hit.found.mark();
-        if self.place.as_ref().is_none_or(|it| it.trail != mark.trail) {
-            self.place = Some(self.go(trails, mark)?);
-        }
+        self.go(notes, mark)?;
         if let Some(place) = &self.place {
-            place.see(self.cell_from_world, mark, hit, seen);
+            place.see(self.cell_of(place), self.cell_from_world, mark, hit, seen);
         }
         Ok(())
     }
 
-    /// Goes to the cell of a surface.
-    fn go(&self, trails: &Trails, mark: Mark) -> Result<Place<'g>, Fault> {
-        let mut path = trails.path(mark);
+    /// Adds the veils before a hit; whether anything is seen behind them.
+    #[cold]
+    #[inline(never)]
+    fn see_veils(
+        &mut self,
+        notes: &Notes,
+        hit: &Hit,
+        measuring: Option<&Measuring>,
+        seen: &mut Seen,
+    ) -> Result<bool, Fault> {
+        let before = |it: &&Veil| it.ray == hit.number && it.t < hit.depth;
+        let mut veils: SmallVec<[Veil; 16]> = notes.veils.iter().filter(before).copied().collect();
+        let order = |a: &Veil, b: &Veil| {
+            let path = |it: &Veil| notes.trails.path(it.mark);
+            a.t.total_cmp(&b.t).then_with(|| path(a).cmp(&path(b)))
+        };
+        veils.sort_by(order);
+        let mut left = 1.0;
+        for mut veil in veils {
+            left *= 1.0 - veil.coverage;
+            if left < CLOSED {
+                veil.coverage = 1.0;
+            }
+            self.go(notes, veil.mark)?;
+            self.see_veil(&veil, hit.ray, measuring, seen);
+            if left < CLOSED {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Adds a fragment for each paint of what a veil stands for.
+    fn see_veil(&self, veil: &Veil, ray: &Ray, measuring: Option<&Measuring>, seen: &mut Seen) {
+        let Some(place) = &self.place else {
+            return;
+        };
+        let cell = self.cell_of(place);
+        let Some(part) = cell.parts.get(veil.mark.part as usize) else {
+            return;
+        };
+        let Named::Instance(instance) = part.member.named() else {
+            return;
+        };
+        let instance = &cell.instances[instance as usize];
+        let model = self.store.model(instance.state);
+        let proxy = match self.generation.ending(model) {
+            Some(Ending::Looks(proxy)) => Some(Arc::clone(proxy)),
+            Some(Ending::Solid(_)) => None,
+            None => match measuring.and_then(|it| it.knows(model)) {
+                Some(Known::Looks(proxy)) => Some(proxy),
+                Some(Known::UnderWay) | None => None,
+            },
+        };
+        let local = place.local(self.cell_from_world, ray).entered(&instance.way).0;
+        let mean = proxy.as_ref().map_or(-local.direction, |it| it.normal(local.direction));
+        let inner_from_world = instance.way.inner_from_outer.matrix3 * place.cell_from_world;
+        let position = ray.at(veil.t);
+        let normal = (inner_from_world.transpose() * mean).normalize();
+        let unknown = [(None, 1.0)];
+        let paints = proxy.as_ref().map_or(&unknown[..], |it| &it.paints);
+        let mut path = place.path.clone();
+        path.push(veil.mark.part);
+        let mut before = 0.0;
+        for (paint, share) in paints {
+            // All shares together hide what the veil hides.
+            let coverage = veil.coverage * share;
+            let of_rest = if before < 1.0 { (coverage / (1.0 - before)).min(1.0) } else { 0.0 };
+            before += coverage;
+            seen.push(Fragment {
+                coverage: of_rest,
+                spread: 1.0 - mean.length(),
+                open: proxy.as_ref().map_or(1.0, |it| it.open),
+                material: paint.or(part.material).or(place.material),
+                unknown: proxy.is_none(),
+                route: place.route_to(part),
+                site: Site { path: path.clone(), face: 0 },
+                ..Fragment::of_surface(veil.t, position, normal, part.origin)
+            });
+        }
+    }
+
+    fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
+        match (&place.cell, self.root) {
+            (Held::Kept(cell), _) => cell,
+            (Held::Own(cell), _) => cell,
+            (Held::Root, Root::Cell(cell)) => cell,
+            // Ways that begin at a state hold its cell.
+            (Held::Root, Root::State(_)) => &NO_CELL,
+        }
+    }
+
+    /// Goes to the cell of a surface, if the last one was not in the same.
+    #[inline(always)]
+    fn go(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
+        if self.place.as_ref().is_none_or(|it| it.trail != mark.trail) {
+            self.place = Some(self.find(notes, mark)?);
+        }
+        Ok(())
+    }
+
+    fn find(&self, notes: &Notes, mark: Mark) -> Result<Place<'g>, Fault> {
+        let mut path = notes.trails.path(mark);
         path.pop();
         let mut place = Place {
             trail: mark.trail,
-            cell: self.held(self.root)?,
+            cell: match self.root {
+                Root::State(state) => self.held(state)?,
+                Root::Cell(_) => Held::Root,
+            },
             path: SmallVec::new(),
             ways: SmallVec::new(),
             material: None,
@@ -111,22 +241,25 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             cell_from_world: DMat3::IDENTITY,
         };
         for number in &path {
-            let cell = place.cell.cell();
-            let Some(part) = cell.parts.get(*number as usize) else {
+            let cell = self.cell_of(&place);
+            let (number, ended) = (number & !ENDED, number & ENDED != 0);
+            let Some(part) = cell.parts.get(number as usize) else {
                 break;
             };
             let Named::Instance(instance) = part.member.named() else {
                 break;
             };
             let instance = &cell.instances[instance as usize];
-            place.material = part.material.or(place.material);
-            if !place.frozen {
-                place.route = place.route.then(part.route);
-                place.frozen = part.frozen;
-            }
-            place.cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
-            place.ways.push(instance.way);
-            place.cell = self.held(instance.state)?;
+            let (way, state) = (instance.way, instance.state);
+            let (route, frozen) = if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
+            let material = part.material.or(place.material);
+            (place.material, place.route, place.frozen) = (material, route, frozen);
+            place.cell_from_world = near_one(way.inner_from_outer.matrix3 * place.cell_from_world);
+            place.ways.push(way);
+            place.cell = match self.generation.ending(self.store.model(state)) {
+                Some(Ending::Solid(cell)) if ended => Held::Kept(cell),
+                _ => self.held(state)?,
+            };
         }
         place.path = path;
         Ok(place)
@@ -142,29 +275,39 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 
 impl Place<'_> {
     #[inline]
-    fn see(&self, cell_from_world: &Inwards, mark: Mark, hit: &Hit, seen: &mut Seen) {
-        let cell = self.cell.cell();
+    fn see(&self, cell: &Cell, cell_from_world: &Inwards, mark: Mark, hit: &Hit, seen: &mut Seen) {
         let Some(part) = cell.parts.get(mark.part as usize) else {
             return;
         };
-        let Named::Leaf(leaf) = part.member.named() else {
-            return;
+        let (normal, spread) = match part.member.named() {
+            Named::Leaf(leaf) => {
+                let leaf = &cell.leaves[leaf as usize];
+                let outwards = self.normal(cell_from_world, cell, leaf, mark.face, hit);
+                let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
+                (if turned { -outwards } else { outwards }, 0.0)
+            }
+            // The closed box that stands for an instance inside a Boolean.
+            _ => (-hit.ray.direction.normalize(), 0.5),
         };
-        let leaf = &cell.leaves[leaf as usize];
-        let outwards = self.normal(cell_from_world, cell, leaf, mark.face, hit);
-        let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
         let mut path = self.path.clone();
         path.push(mark.part);
         seen.push(Fragment {
-            coverage: 1.0,
-            depth: hit.depth,
-            position: hit.ray.at(hit.depth),
-            normal: if turned { -outwards } else { outwards },
+            spread,
             material: part.material.or(self.material),
-            route: if self.frozen { self.route } else { self.route.then(part.route) }.hash(),
-            origin: part.origin,
+            route: self.route_to(part),
             site: Site { path, face: mark.face },
+            ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
+    }
+
+    /// A hash of the whole route to a part.
+    fn route_to(&self, part: &Part) -> u64 {
+        if self.frozen { self.route } else { self.route.then(part.route) }.hash()
+    }
+
+    /// A ray in the frame of the cell.
+    fn local(&self, cell_from_world: &Inwards, ray: &Ray) -> Local {
+        self.ways.iter().fold(Local::new(ray, cell_from_world), |local, way| local.entered(way).0)
     }
 
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
@@ -175,15 +318,16 @@ impl Place<'_> {
         let point = if primitive.is_flat(face) {
             DVec3::ZERO
         } else {
-            let local = Local::new(hit.ray, cell_from_world);
-            let local = self.ways.iter().fold(local, |local, way| local.entered(way).0);
-            point_in(&local, &leaf.leaf_from_cell, hit.depth)
+            point_in(&self.local(cell_from_world, hit.ray), &leaf.leaf_from_cell, hit.depth)
         };
         let normal = leaf.leaf_from_cell.matrix3.transpose() * primitive.normal(point, face);
         let normal = self.cell_from_world.transpose() * (normal / normal.abs().max_element());
         normal.normalize()
     }
 }
+
+/// For ways that begin nowhere.
+static NO_CELL: LazyLock<Cell> = LazyLock::new(Cell::default);
 
 /// A matrix in other units, so that no length on a long way is out of range.
 fn near_one(matrix: DMat3) -> DMat3 {

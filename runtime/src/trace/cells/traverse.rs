@@ -9,6 +9,7 @@ use super::boxes::{BoxRay, Met, Node, WIDTH, lanes_of, meet};
 use super::build::build;
 use super::cell::{Boolean, Cell, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
+use super::ending::{ENDED, Met as Ended, ending, veil};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
@@ -46,6 +47,8 @@ pub(super) struct Passage {
     pub(super) position: u32,
     /// States inside one another to here.
     pub(super) levels: u32,
+    /// At least the length in the world of what is 1 long in it; infinite where recursion is followed to its end.
+    pub(super) unit: f64,
 }
 
 /// The stacks of a search, kept from ray to ray.
@@ -282,10 +285,14 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             BoxRay::new(ray.origin, ray.direction)
         };
         let position = passage.position + 1;
-        let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
         let (state, called, levels) = (instance.state, part.origin, passage.levels + part.levels);
-        let trail = ask.trails.on(passage.trail, instance.part);
-        let passage = Passage { state, called, ray, boxes, from, trail, position, levels };
+        if instance.side * passage.unit < ask.girth.at(ray.start()) {
+            return self.end(ask, instance, &ray, boxes);
+        }
+        let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
+        let trail = ask.notes.trails.on(passage.trail, instance.part);
+        let unit = passage.unit * instance.way.unit;
+        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit };
         let cell = match self.generation.kept(state) {
             Some(cell) => Some(cell),
             None => self.made(state, called)?,
@@ -294,6 +301,38 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             Some(cell) => self.enter(ask, Start { cell, passage }),
             None => self.apart(ask, passage).map(|()| None),
         }
+    }
+
+    /// Recursion ends at an instance: the beam is as wide as that.
+    #[inline(never)]
+    fn end(&mut self, ask: &mut Ask, instance: &Instance, ray: &Local, boxes: BoxRay) -> Result<Option<Ahead>, Stop> {
+        let Some(Frame { cell, passage, .. }) = self.scratch.frames.last() else {
+            return Ok(None);
+        };
+        let part = &cell.parts[instance.part as usize];
+        let ended = instance.part | ENDED;
+        let cell = match ending(self.tracing, self.generation, instance.state, part.origin, ask)? {
+            Ended::Solid(cell) => cell,
+            looks => {
+                if passage.from != instance.part {
+                    look_at(ask, instance, passage.trail, &passage.ray, ray, &looks);
+                }
+                return Ok(None);
+            }
+        };
+        let position = passage.position + 1;
+        let inner = Passage {
+            state: instance.state,
+            called: part.origin,
+            ray: *ray,
+            boxes,
+            from: if passage.from == ended { ask.start_part(position as usize) } else { NONE },
+            trail: ask.notes.trails.on(passage.trail, ended),
+            position,
+            levels: passage.levels + part.levels,
+            unit: f64::INFINITY,
+        };
+        self.enter(ask, Start { cell, passage: inner })
     }
 
     /// A cell that is not there yet; none if there is no room to keep it.
@@ -346,6 +385,14 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             ask.meet(event(&piece.near), Some(event(&piece.far)));
         }
         Ok(())
+    }
+}
+
+/// What the looks of an instance say to the question.
+pub(super) fn look_at(ask: &mut Ask, instance: &Instance, trail: u32, outer: &Local, inner: &Local, looks: &Ended) {
+    let proxy = if let Ended::Looks(proxy) = looks { Some(&**proxy) } else { None };
+    if let Some((t, coverage)) = veil(instance, outer, inner, proxy) {
+        ask.veil(t, coverage, Mark { trail, part: instance.part, face: 0 });
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::{is_steady, look};
 use glam::DVec3;
 use proptest::prelude::*;
 use treegen_runtime::Limits;
@@ -12,12 +13,6 @@ use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
 use treegen_runtime::trace::{Fragment, Sample, SurfaceRay, Tracer};
-
-fn look(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    tracer.look(rays, &mut samples).expect("these scenes have no faults");
-    samples
-}
 
 fn blocked(tracer: &dyn Tracer, rays: &[SurfaceRay]) -> Vec<bool> {
     let mut answers = Vec::new();
@@ -37,16 +32,6 @@ fn same(a: &Sample, b: &Sample) -> bool {
         }
         _ => false,
     }
-}
-
-/// Whether the reference itself sees the same from a hair's breadth beside each ray: only there a difference counts.
-fn is_steady(reference: &Reference, ray: &Ray) -> bool {
-    let beside = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-    let mut rays = vec![*ray];
-    rays.extend(beside.map(|it| Ray { origin: ray.origin + it * 4e-6, ..*ray }));
-    let seen = look(reference, &rays);
-    let what = |it: &Sample| it.fragments.first().map(|it| (it.origin, it.route, it.site.clone()));
-    seen.iter().all(|it| what(it) == what(&seen[0]))
 }
 
 fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceRay> {

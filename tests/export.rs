@@ -75,6 +75,16 @@ fn the_sympodial_tree_has_the_papers_45057_primitives() {
 }
 
 #[test]
+fn the_scenes_of_the_benchmarks_are_as_large_as_they_say() {
+    for (name, expected) in [("s1", 1 << 20), ("s2", 45_057), ("s4", 131_072)] {
+        let scene = scene(&std::fs::read_to_string(format!("benches/scenes/{name}.tg")).unwrap());
+        let mut pieces = Pieces::of(&scene, &Limits::default(), &()).unwrap();
+        assert!(pieces.by_ref().all(|it| it.is_ok()), "{name}");
+        assert_eq!(pieces.primitives(), expected, "{name}");
+    }
+}
+
+#[test]
 fn a_limit_is_met_by_one_primitive_more_and_not_by_as_many() {
     let text = SIERPINSKI.replace("ORDER", "3");
     assert_eq!(end(&text, 64), ("none".to_owned(), 64));

@@ -11,6 +11,7 @@ use treegen_runtime::trace::cells::Culling as CullingMode;
 
 use crate::console::{self, Color, Console, shown, shown_text};
 use crate::exit::Exit;
+use crate::inspect::Inspect;
 
 /// More threads than any machine it is made for has; each takes 256 MiB of address space.
 const MAX_THREADS: i64 = 256;
@@ -25,6 +26,7 @@ Examples:
   treegen sierpinski.tg -o layers.exr                depth, normals, materials: for compositing
   treegen - -o - < sierpinski.tg | display           from a pipe into a pipe
   treegen check sierpinski.tg                        only look for mistakes
+  treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
 
 Exit codes:
   0  done: the picture is written whole
@@ -60,13 +62,15 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE --expand";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Look for mistakes without rendering
     Check(Check),
+    /// Show what a program stands for
+    Inspect(Inspect),
 }
 
 /// `treegen check FILE`.
@@ -203,6 +207,7 @@ fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
 fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     let program = match &cli.command {
         Some(Command::Check(check)) => &check.program,
+        Some(Command::Inspect(inspect)) => &inspect.program,
         None => &cli.render.program,
     };
     let mut names: Vec<&str> = program.set.iter().map(|it| it.name.as_str()).collect();

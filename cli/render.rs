@@ -100,13 +100,7 @@ impl Outputs {
 
     /// A program is never overwritten by its own picture.
     fn refuse_sources(&self, sources: &[PathBuf]) -> Result<(), Failure> {
-        let places = || std::iter::once(&self.picture).chain(&self.stats);
-        match sources.iter().find(|source| places().any(|it| it.is_same_as(source))) {
-            Some(source) => {
-                Err(Failure::usage(format!("`{}` is the program, and would be overwritten", shown(source))))
-            }
-            None => Ok(()),
-        }
+        std::iter::once(&self.picture).chain(&self.stats).try_for_each(|it| it.refuse_sources(sources))
     }
 }
 

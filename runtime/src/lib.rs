@@ -7,6 +7,7 @@
 #![allow(clippy::result_large_err)]
 
 pub mod eval;
+pub mod export;
 pub mod fault;
 pub mod form;
 pub mod geometry;

@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::{Sample, is_steady, look};
 use glam::DVec3;
 use proptest::prelude::*;
 use treegen_runtime::Limits;
@@ -11,17 +12,7 @@ use treegen_runtime::form::Scene;
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::trace::{Beam, Fragment, Seen, SurfaceBeam, Tracer};
-
-/// What one ray saw.
-type Sample = Vec<Fragment>;
-
-fn look(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Sample> {
-    let mut seen = Seen::default();
-    let beams: Vec<Beam> = rays.iter().copied().map(Beam::thin).collect();
-    tracer.look(&beams, &mut seen).expect("these scenes have no faults");
-    seen.rays().map(<[Fragment]>::to_vec).collect()
-}
+use treegen_runtime::trace::{Beam, Fragment, SurfaceBeam, Tracer};
 
 fn light(tracer: &dyn Tracer, beams: &[SurfaceBeam]) -> Vec<f64> {
     let mut answers = Vec::new();
@@ -41,16 +32,6 @@ fn same(a: &Sample, b: &Sample) -> bool {
         }
         _ => false,
     }
-}
-
-/// Whether the reference itself sees the same from a hair's breadth beside each ray: only there a difference counts.
-fn is_steady(reference: &Reference, ray: &Ray) -> bool {
-    let beside = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-    let mut rays = vec![*ray];
-    rays.extend(beside.map(|it| Ray { origin: ray.origin + it * 4e-6, ..*ray }));
-    let seen = look(reference, &rays);
-    let what = |it: &Sample| it.first().map(|it| (it.origin, it.route, it.site.clone()));
-    seen.iter().all(|it| what(it) == what(&seen[0]))
 }
 
 fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceBeam> {

@@ -73,7 +73,7 @@ impl Rays {
 }
 
 /// Right and up in the picture of a camera that looks `forward`; y stands for an `up` along the view, and z for both.
-pub(super) fn upright(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
+pub(crate) fn upright(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
     let right = [up, DVec3::Y, DVec3::Z]
         .into_iter()
         .filter_map(unit)
@@ -85,12 +85,12 @@ pub(super) fn upright(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
 }
 
 /// Half of what an angle in degrees spans at distance 1.
-pub(super) fn half_span(fov: f64) -> f64 {
+pub(crate) fn half_span(fov: f64) -> f64 {
     libm::tan((fov / 2.0).to_radians())
 }
 
 /// A vector's direction; none of zero and of what is not finite.
-pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
+pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
     let largest = vector.abs().max_element();
     // The division keeps squares of very long and very short vectors in range.
     (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())

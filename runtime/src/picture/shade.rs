@@ -43,8 +43,8 @@ struct Paint {
 
 /// The highlight of a material.
 #[derive(Clone, Copy, Debug)]
-struct Gloss {
-    strength: f64,
+pub(crate) struct Gloss {
+    pub(crate) strength: f64,
     /// The highlight is the cosine squared so often,
     squarings: u32,
     /// with so much of what one squaring more gives.
@@ -238,19 +238,28 @@ impl Paint {
         let Some(range) = self.range else {
             return self.linear;
         };
-        let red = spread(route);
-        let green = spread(red);
-        let draws = DVec3::new(uniform(red), uniform(green), uniform(spread(green)));
-        linear(self.srgb + range * draws)
+        linear(varied(self.srgb, range, route))
     }
 }
 
+/// The colour, sRGB, of a material on the solid that has this route.
+pub(crate) fn varied(color: DVec3, range: DVec3, route: u64) -> DVec3 {
+    let red = spread(route);
+    let green = spread(red);
+    color + range * DVec3::new(uniform(red), uniform(green), uniform(spread(green)))
+}
+
 impl Gloss {
-    fn new(gloss: f64) -> Option<Self> {
+    pub(crate) fn new(gloss: f64) -> Option<Self> {
         let gloss = within(gloss, 1.0);
         let squarings = 3.0 + 5.0 * gloss;
         let whole = squarings.floor();
         (gloss > 0.0).then_some(Self { strength: 0.55 * gloss, squarings: whole as u32, part: squarings - whole })
+    }
+
+    /// The power of the cosine that the highlight comes near.
+    pub(crate) fn exponent(self) -> f64 {
+        libm::exp2(f64::from(self.squarings) + self.part)
     }
 
     /// Blinn's highlight (1977), with squares in place of a power.

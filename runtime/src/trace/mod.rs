@@ -9,6 +9,7 @@ mod liveness;
 pub mod reference;
 mod route;
 
+pub(crate) use expand::{CHOICE, COPY, OPERAND};
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
 pub use route::Route;
 

@@ -367,7 +367,8 @@ fn no_ray_outwards_meets_the_surface_it_starts_on() {
     assert!(hits.len() > 300, "{}", hits.len());
     // The very short way out along the normal is free, wherever the surface is seen.
     let outwards = hits.iter().map(|it| Ray { origin: it.position, direction: it.normal });
-    let rays: Vec<_> = outwards.zip(&hits).map(|(ray, it)| SurfaceBeam { beam: Beam::thin(ray), from: it.site.clone() }).collect();
+    let rays: Vec<_> =
+        outwards.zip(&hits).map(|(ray, it)| SurfaceBeam { beam: Beam::thin(ray), from: it.site.clone() }).collect();
     let back: Vec<Ray> = rays.iter().map(|it| it.beam.ray).map(|it| Ray { origin: it.at(1e-7), ..it }).collect();
     let mut light = Vec::new();
     tracer.light(&rays, &mut light).expect("no fault");

@@ -43,6 +43,26 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R;
 }
 
+/// The absolute values of sixteen numbers.
+///
+/// This and [`select16`] stand for functions of the library that are not always inlined, and are slow where they are not.
+#[inline(always)]
+pub(crate) fn abs16<S: Simd<f32s = f32x16>>(lanes: S, numbers: f32x16) -> f32x16 {
+    lanes.max_f32s(numbers, negative16(lanes, numbers))
+}
+
+/// Sixteen numbers with the other sign.
+#[inline(always)]
+pub(crate) fn negative16<S: Simd<f32s = f32x16>>(lanes: S, numbers: f32x16) -> f32x16 {
+    lanes.mul_f32s(numbers, lanes.splat_f32s(-1.0))
+}
+
+/// `yes` in the lanes that are set, `no` in the others, of sixteen.
+#[inline(always)]
+pub(crate) fn select16<S: Simd<f32s = f32x16>>(lanes: S, mask: S::m32s, yes: f32x16, no: f32x16) -> f32x16 {
+    pulp::cast(lanes.select_u32s(mask, pulp::cast(yes), pulp::cast(no)))
+}
+
 /// Something to do with whatever SIMD the machine has.
 pub(crate) trait Task {
     /// What it gives.

@@ -54,7 +54,7 @@ impl<S: Simd> Wide<S> {
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        Self { value: self.lanes.abs_f64s(self.value), ..self }
+        Self { value: self.lanes.max_f64s(self.value, (-self).value), ..self }
     }
 
     #[inline(always)]
@@ -92,7 +92,8 @@ impl<S: Simd> Mask<S> {
     /// `yes` in the lanes that are set, `no` in the others.
     #[inline(always)]
     pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {
-        Wide { lanes: self.lanes, value: self.lanes.select_f64s(self.value, yes.value, no.value) }
+        let (yes, no) = (pulp::cast(yes.value), pulp::cast(no.value));
+        Wide { lanes: self.lanes, value: pulp::cast(self.lanes.select_u64s(self.value, yes, no)) }
     }
 
     /// `yes` in the lanes that are set, `no` in the others.
@@ -195,7 +196,8 @@ impl<S: Simd> Neg for Wide<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: self.lanes.neg_f64s(self.value), ..self }
+        // Exact, and unlike the library's own negation always inlined.
+        self * self.all(-1.0)
     }
 }
 

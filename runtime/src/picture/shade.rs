@@ -54,11 +54,10 @@ pub(crate) struct Gloss {
 /// Room for shading one batch after another.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    /// The ray of each fragment.
-    owners: Vec<u32>,
+    owners: Vec<Owner>,
     shadow_beams: Vec<SurfaceBeam>,
-    /// The fragment of each shadow beam.
-    aimed: Vec<u32>,
+    /// Fragments that face the light, each with its shadow beam.
+    aimed: Vec<(u32, u32)>,
     /// How much light comes along each of them.
     light: Vec<f64>,
     lit: Vec<Lit>,
@@ -67,6 +66,17 @@ pub(super) struct Scratch {
     /// How many shadow rays were traced so far.
     pub(super) shadow_count: u64,
 }
+
+/// What a fragment belongs to: those with the same owner share a shadow beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Owner {
+    ray: u32,
+    /// Which part of what the ray sees it is in: so many veils may lie on a ray that each by itself hardly counts.
+    layer: u8,
+}
+
+/// How many shadow beams the fragments of one ray have at most.
+const LAYERS: f64 = 4.0;
 
 /// The light of suns on a fragment.
 #[derive(Clone, Copy, Debug, Default)]
@@ -112,31 +122,39 @@ impl Shader {
         let last = sun_number + 1 == self.lights.suns.len();
         scratch.shadow_beams.clear();
         scratch.aimed.clear();
+        let mut shared = None;
         for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&scratch.owners).enumerate() {
             if fragment.spread == 0.0 && fragment.normal.dot(sun.toward) <= 0.0 {
                 continue;
             }
-            // The last sun takes the site instead of copying it.
-            let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
-            let Key { pixel, sample, .. } = keys[*owner as usize];
-            let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
-            let width = beams[*owner as usize].width_at(fragment.depth);
-            scratch.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
-            scratch.aimed.push(number as u32);
+            if shared != Some(*owner) {
+                shared = Some(*owner);
+                // The last sun takes the site instead of copying it.
+                let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
+                let beam = &beams[owner.ray as usize];
+                let Key { pixel, sample, .. } = keys[owner.ray as usize];
+                let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
+                let width = beam.width_at(fragment.depth);
+                scratch.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
+            }
+            scratch.aimed.push((number as u32, scratch.shadow_beams.len() as u32 - 1));
         }
     }
 
     /// Lights the fragments by what came along their shadow beams.
     fn light(&self, sun_number: usize, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
         let sun = &self.lights.suns[sun_number];
-        for (number, light) in scratch.aimed.iter().zip(&scratch.light).filter(|(_, light)| **light > 0.0) {
+        for (number, beam) in &scratch.aimed {
             let number = *number as usize;
             let fragment = &seen.fragments()[number];
+            let light = scratch.light[*beam as usize] * fragment.open;
+            if light == 0.0 {
+                continue;
+            }
             let lit = &mut scratch.lit[number];
-            let light = light * fragment.open;
             lit.matt += sun.color * (facing(fragment, sun.toward) * light);
             if let Some(gloss) = self.paint(fragment).gloss {
-                let direction = beams[scratch.owners[number] as usize].ray.direction;
+                let direction = beams[scratch.owners[number].ray as usize].ray.direction;
                 let highlight = gloss.highlight(fragment.normal, sun.toward, direction) * (1.0 - fragment.spread);
                 lit.gloss += sun.color * (highlight * light);
             }
@@ -186,11 +204,17 @@ impl Shader {
 }
 
 impl Scratch {
-    /// Notes which ray each fragment belongs to.
+    /// Notes what each fragment belongs to.
     fn own(&mut self, seen: &Seen) {
         self.owners.clear();
         for (ray, fragments) in seen.rays().enumerate() {
-            self.owners.extend(fragments.iter().map(|_| ray as u32));
+            let mut hidden = 0.0;
+            for fragment in fragments {
+                let part = (1.0 - hidden) * within(fragment.coverage, 1.0);
+                let layer = ((hidden + 0.5 * part) * LAYERS) as u8;
+                hidden += part;
+                self.owners.push(Owner { ray: ray as u32, layer });
+            }
         }
     }
 
@@ -202,8 +226,9 @@ impl Scratch {
         }
         self.shadow_count += self.shadow_beams.len() as u64;
         tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
-            let fragment = self.aimed.get(ray).map_or(0, |it| *it as usize);
-            RayFault { ray: self.owners.get(fragment).map_or(0, |it| *it as usize), fault }
+            let first = self.aimed.iter().find(|(_, beam)| *beam as usize == ray);
+            let owner = first.and_then(|(fragment, _)| self.owners.get(*fragment as usize));
+            RayFault { ray: owner.map_or(0, |it| it.ray as usize), fault }
         })
     }
 }

@@ -184,8 +184,7 @@ impl<'a> Painter<'a> {
         if setting.view.layers && setting.view.samples == 1 {
             self.keep_centres();
         }
-        let shaded =
-            setting.shader.shade(setting.tracer, &self.beams, &self.keys, &mut self.seen, &mut self.scratch);
+        let shaded = setting.shader.shade(setting.tracer, &self.beams, &self.keys, &mut self.seen, &mut self.scratch);
         shaded.map_err(|fault| self.stop(fault))?;
         for (key, color) in self.keys.iter().zip(&self.scratch.colors) {
             self.pixels[key.slot as usize].add(*color);

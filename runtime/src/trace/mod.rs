@@ -188,6 +188,12 @@ pub trait Tracer: Sync {
     /// The fault of the lowest beam that meets one.
     fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault>;
 
+    /// What each of the beams sees that start on surfaces, as mirrors need it: `seen` is cleared first.
+    ///
+    /// # Errors
+    /// The fault of the lowest beam that meets one.
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault>;
+
     /// How much of the light comes through to where each of the beams starts, from 0 to 1: `light` is cleared, then holds
     /// one answer a beam.
     ///

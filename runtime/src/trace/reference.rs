@@ -55,22 +55,34 @@ impl<'s> Reference<'s> {
         Ok((line, walk.surfaces))
     }
 
-    fn see(&self, ray: &Ray) -> Result<Option<Fragment>, Fault> {
-        let (line, surfaces) = self.walk(ray, None)?;
+    fn see(&self, ray: &Ray, from: Option<&Site>) -> Result<Option<Fragment>, Fault> {
+        let (line, surfaces) = self.walk(ray, from)?;
         let first = line.first_after_start();
         Ok(first.map(|(t, surface, flipped)| surfaces[surface as usize].fragment(ray, t, flipped)))
+    }
+
+    fn see_all<'r>(
+        &self,
+        rays: impl Iterator<Item = (&'r Ray, Option<&'r Site>)>,
+        seen: &mut Seen,
+    ) -> Result<(), RayFault> {
+        seen.clear();
+        for (number, (ray, from)) in rays.enumerate() {
+            let first = self.see(ray, from).map_err(|fault| RayFault { ray: number, fault })?;
+            first.into_iter().for_each(|it| seen.push(it));
+            seen.end_ray();
+        }
+        Ok(())
     }
 }
 
 impl Tracer for Reference<'_> {
     fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
-        seen.clear();
-        for (number, beam) in beams.iter().enumerate() {
-            let first = self.see(&beam.ray).map_err(|fault| RayFault { ray: number, fault })?;
-            first.into_iter().for_each(|it| seen.push(it));
-            seen.end_ray();
-        }
-        Ok(())
+        self.see_all(beams.iter().map(|it| (&it.ray, None)), seen)
+    }
+
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        self.see_all(beams.iter().map(|it| (&it.beam.ray, Some(&it.from))), seen)
     }
 
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {

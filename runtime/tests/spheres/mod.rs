@@ -119,6 +119,16 @@ impl Tracer for Spheres {
         Ok(())
     }
 
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        for SurfaceBeam { beam: Beam { ray, .. }, from } in beams {
+            let nearest = self.nearest(ray, from.path.first().copied());
+            nearest.into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
+            seen.end_ray();
+        }
+        Ok(())
+    }
+
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
         let blocked = |it: &SurfaceBeam| self.nearest(&it.beam.ray, it.from.path.first().copied()).is_some();

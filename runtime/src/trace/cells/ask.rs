@@ -312,7 +312,10 @@ impl<'q> Ask<'q> {
     /// Takes an event for the best one. Where two are at the same place, the one written first is.
     #[inline(always)]
     fn take(&mut self, event: Event) {
-        if event.t == self.best && !self.found.is_nothing() && !self.notes.trails.is_before(event.mark, self.found.mark()) {
+        if event.t == self.best
+            && !self.found.is_nothing()
+            && !self.notes.trails.is_before(event.mark, self.found.mark())
+        {
             return;
         }
         self.best = event.t;

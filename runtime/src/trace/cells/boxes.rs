@@ -20,7 +20,7 @@ use pulp::{Simd, f32x16};
 
 use super::ray::Locals;
 use crate::geometry::Aabb;
-use crate::lanes::{Kernel, Wide3};
+use crate::lanes::{Kernel, Wide3, abs16, select16};
 
 /// Boxes in a node.
 pub(super) const WIDTH: usize = 16;
@@ -263,10 +263,10 @@ fn narrow<K: Kernel>(kernel: K, low: Wide3<K::Lanes>, high: Wide3<K::Lanes>) -> 
 fn inverse_of<K: Kernel>(kernel: K, direction: f32x16) -> f32x16 {
     let lanes = kernel.lanes();
     let (zero, one) = (lanes.splat_f32s(0.0), lanes.splat_f32s(1.0));
-    let tiny = lanes.less_than_f32s(lanes.abs_f32s(direction), lanes.splat_f32s(LEAST));
+    let tiny = lanes.less_than_f32s(abs16(lanes, direction), lanes.splat_f32s(LEAST));
     let signs =
-        lanes.select_f32s(lanes.less_than_f32s(direction, zero), lanes.splat_f32s(-LEAST), lanes.splat_f32s(LEAST));
-    lanes.div_f32s(one, lanes.select_f32s(tiny, signs, direction))
+        select16(lanes, lanes.less_than_f32s(direction, zero), lanes.splat_f32s(-LEAST), lanes.splat_f32s(LEAST));
+    lanes.div_f32s(one, select16(lanes, tiny, signs, direction))
 }
 
 impl Span {
@@ -287,8 +287,8 @@ impl Span {
 #[inline(always)]
 fn reach<S: Simd<f32s = f32x16>>(lanes: S, mask: S::m32s, numbers: f32x16) -> (f32, f32) {
     let (least, most) = (lanes.splat_f32s(f32::NEG_INFINITY), lanes.splat_f32s(f32::INFINITY));
-    let low = lanes.reduce_min_f32s(lanes.select_f32s(mask, numbers, most));
-    (low, lanes.reduce_max_f32s(lanes.select_f32s(mask, numbers, least)))
+    let low = lanes.reduce_min_f32s(select16(lanes, mask, numbers, most));
+    (low, lanes.reduce_max_f32s(select16(lanes, mask, numbers, least)))
 }
 
 /// The numbers of the bits that are set.

@@ -29,12 +29,14 @@ use crate::geometry::Ray;
 use crate::lanes::Kernel;
 use crate::trace::{Fragment, Seen};
 
-/// Rays a side of the square that a state is seen in.
-const SIDE: u32 = 6;
+/// Directions that a state is seen along, and back.
+const AXES: u32 = 24;
+/// Rays along each.
+const RAYS: u32 = 64;
 /// How wide the rays are, in parts of the state's size.
 const WIDTH: f64 = 1.0 / 12.0;
 /// States on paths of their own that stand for all that have the same values.
-const LIKENESSES: u32 = 3;
+const LIKENESSES: u32 = 4;
 
 /// A state that is being measured, inside of others.
 #[derive(Debug)]
@@ -88,11 +90,22 @@ impl<'m> Measuring<'m> {
     }
 }
 
-/// The directions that a state is seen along: to the faces, edges and corners of a cube, and back.
+/// The directions that a state is seen along: spread evenly over the sphere, each with the one opposite, and none along an axis
+/// or a diagonal, where what is made by rules looks like nowhere else.
 pub(super) fn directions() -> impl Iterator<Item = DVec3> {
-    let parts = || [-1.0, 0.0, 1.0].into_iter();
-    let all = parts().flat_map(move |x| parts().flat_map(move |y| parts().map(move |z| DVec3::new(x, y, z))));
-    all.filter(|it| *it != DVec3::ZERO).map(DVec3::normalize)
+    (0..AXES).flat_map(|number| {
+        let z = (f64::from(number) + 0.5) / f64::from(AXES);
+        // A spiral by the golden angle.
+        let (sin, cos) = libm::sincos(f64::from(number) * 2.399_963_229_728_653 + 0.3);
+        let round = (1.0 - z * z).sqrt();
+        let direction = DVec3::new(round * cos, round * sin, z);
+        [direction, -direction]
+    })
+}
+
+/// A place in the unit square: those of the first so many numbers fill it evenly (Roberts 2018, after Weyl).
+fn place(number: u32) -> [f64; 2] {
+    [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| (f64::from(number) * step + 0.25).fract())
 }
 
 /// Measures a state, and says whether what was found depends on it alone.
@@ -111,11 +124,12 @@ pub(super) fn measure<K: Kernel>(
         let here = Measuring::new(state, outer);
         let mut survey = Survey::default();
         let likenesses = tracing.store.likenesses(state, LIKENESSES);
-        for likeness in &likenesses {
+        for (number, likeness) in likenesses.iter().enumerate() {
             let mut notes = Notes::default();
-            Surveyor::new(tracing, generation, *likeness, &here, nested)?.look(&mut survey, &mut notes)?;
+            let share = (number as u32, likenesses.len() as u32);
+            Surveyor::new(tracing, generation, *likeness, &here, nested)?.look(share, &mut survey, &mut notes)?;
         }
-        Ok((survey.proxy(likenesses.len() as u32), here.clean.into_inner()))
+        Ok((survey.proxy(), here.clean.into_inner()))
     })
 }
 
@@ -143,27 +157,27 @@ impl<'a, 's, 'g, K: Kernel> Surveyor<'a, 's, 'g, K> {
         Ok(Self { tracing, generation, state, cell, measuring, nested, way })
     }
 
-    fn look(&self, survey: &mut Survey, notes: &mut Notes) -> Result<(), Fault> {
+    /// Looks at the state along a share of all rays: of so many states, as this one of them.
+    fn look(&self, (which, of): (u32, u32), survey: &mut Survey, notes: &mut Notes) -> Result<(), Fault> {
         let bounds = self.cell.bounds;
-        if bounds.is_empty() {
-            directions().for_each(|it| survey.look(it));
-            return Ok(());
-        }
         let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
         let girth = Girth { width: 2.0 * half.max_element() * WIDTH, spread: 0.0 };
         let mut seen = Seen::default();
         for (view, direction) in directions().enumerate() {
-            survey.look(direction);
+            survey.look(view, direction);
+            if bounds.is_empty() {
+                continue;
+            }
             let (across, up) = direction.any_orthonormal_pair();
-            let reach = |it: DVec3| it.abs().dot(half);
-            let step = [reach(across), reach(up)].map(|it| 2.0 * it / f64::from(SIDE));
+            let (wide, high) = (across.abs().dot(half), up.abs().dot(half));
+            let area = 4.0 * wide * high / f64::from(RAYS);
             let start = center - direction * (2.0 * half.length());
-            for number in 0..SIDE * SIDE {
-                let place = [number % SIDE, number / SIDE].map(|it| f64::from(it) + 0.5 - 0.5 * f64::from(SIDE));
-                let origin = start + across * (place[0] * step[0]) + up * (place[1] * step[1]);
+            for number in (0..RAYS).filter(|it| it % of == which) {
+                let [x, y] = place(number + RAYS * view as u32);
+                let origin = start + across * (wide * (2.0 * x - 1.0)) + up * (high * (2.0 * y - 1.0));
                 let ray = Ray { origin, direction };
                 self.see(&ray, girth, notes, &mut seen)?;
-                self.note(&seen, step[0] * step[1], view + number as usize, girth, survey, notes)?;
+                self.note(&seen, area, view + number as usize, girth, survey, notes)?;
             }
         }
         Ok(())

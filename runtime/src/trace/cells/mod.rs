@@ -38,8 +38,8 @@ use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
 use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
-use self::traverse::{Passage, Scratch, Start, Tracing};
-use super::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
+use self::traverse::{Passage, Scratch, Start as Beginning, Tracing};
+use super::{Beam, RayFault, Seen, Site, SurfaceBeam, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
@@ -99,6 +99,11 @@ impl Tracer for CellTracer<'_> {
         dispatch(Look { tracer: self, beams, seen })
     }
 
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        dispatch(Look { tracer: self, beams, seen })
+    }
+
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
         light.reserve(beams.len());
@@ -110,13 +115,33 @@ impl Tracer for CellTracer<'_> {
     }
 }
 
-struct Look<'a, 's> {
+/// A beam that may start on a surface.
+trait Start {
+    /// The beam, and the surface.
+    fn beam(&self) -> (Beam, Option<&Site>);
+}
+
+impl Start for Beam {
+    #[inline(always)]
+    fn beam(&self) -> (Beam, Option<&Site>) {
+        (*self, None)
+    }
+}
+
+impl Start for SurfaceBeam {
+    #[inline(always)]
+    fn beam(&self) -> (Beam, Option<&Site>) {
+        (self.beam, Some(&self.from))
+    }
+}
+
+struct Look<'a, 's, B> {
     tracer: &'a CellTracer<'s>,
-    beams: &'a [Beam],
+    beams: &'a [B],
     seen: &'a mut Seen,
 }
 
-impl Task for Look<'_, '_> {
+impl<B: Start> Task for Look<'_, '_, B> {
     type Output = Result<(), RayFault>;
 
     #[inline(always)]
@@ -197,19 +222,18 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
 
     /// What the beams of a packet see.
     #[inline(always)]
-    fn look_all(&mut self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
-        let mut packet = [beams[0]; RAYS];
-        packet[..beams.len()].copy_from_slice(beams);
-        let mut ask = PacketAsk::new(Question::Nearest, all_of(beams.len()), &packet, [None; RAYS]);
+    fn look_all<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
+        let (packet, from) = gathered(beams);
+        let mut ask = PacketAsk::new(Question::Nearest, all_of(beams.len()), &packet, from);
         if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
             return self.look_each(beams, seen);
         }
-        for (number, beam) in beams.iter().enumerate() {
+        for number in 0..beams.len() {
             let looked = if ask.over >> number & 1 == 1 {
-                self.look_out(beam, seen)
+                self.look_out(&packet[number], from[number], seen)
             } else {
                 let (depth, found) = ask.found(number);
-                self.see(&Hit { ray: &beam.ray, number: number as u8, depth, found }, seen)
+                self.see(&Hit { ray: &packet[number].ray, number: number as u8, depth, found }, seen)
             };
             looked.map_err(|fault| RayFault { ray: number, fault })?;
         }
@@ -219,21 +243,25 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// What beams see, one after another: the first that meets a fault is the lowest.
     #[cold]
     #[inline(never)]
-    fn look_each(&mut self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+    fn look_each<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
         for (number, beam) in beams.iter().enumerate() {
-            self.look(beam, seen).map_err(|fault| RayFault { ray: number, fault })?;
+            let (beam, from) = beam.beam();
+            self.look(&beam, from, seen).map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
 
-    fn look(&mut self, beam: &Beam, seen: &mut Seen) -> Result<(), Fault> {
+    fn look(&mut self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
         let mut notes = self.new_notes();
-        let mut ask = Ask::new(Question::Nearest, None, Girth::of(beam), &mut notes);
+        let mut ask = Ask::new(Question::Nearest, from, Girth::of(beam), &mut notes);
         let asked = self.ask_alone(&mut ask, &beam.ray);
         let Ask { best: depth, found, over, .. } = ask;
         self.notes = notes;
         asked?;
-        if over { self.look_out(beam, seen) } else { self.see(&Hit { ray: &beam.ray, number: 0, depth, found }, seen) }
+        if over {
+            return self.look_out(beam, from, seen);
+        }
+        self.see(&Hit { ray: &beam.ray, number: 0, depth, found }, seen)
     }
 
     /// What a ray saw.
@@ -256,18 +284,18 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
     #[cold]
     #[inline(never)]
-    fn look_out(&mut self, beam: &Beam, seen: &mut Seen) -> Result<(), Fault> {
+    fn look_out(&mut self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
         /// Not the number of a ray in a packet: what is too small to be told apart is not seen from inside of something.
         const NO_RAY: u8 = u8::MAX;
         let mut notes = std::mem::take(&mut self.notes);
-        let asked = self.ask_out(beam, &mut notes);
+        let asked = self.ask_out(beam, from, &mut notes);
         self.notes = notes;
         let (depth, found) = asked?;
         self.see(&Hit { ray: &beam.ray, number: NO_RAY, depth, found }, seen)
     }
 
-    fn ask_out(&mut self, beam: &Beam, notes: &mut Notes) -> Result<(f64, Found), Fault> {
-        let mut ask = Ask::new(Question::Exit, None, Girth::of(beam), notes);
+    fn ask_out(&mut self, beam: &Beam, from: Option<&Site>, notes: &mut Notes) -> Result<(f64, Found), Fault> {
+        let mut ask = Ask::new(Question::Exit, from, Girth::of(beam), notes);
         ask.best = 0.0;
         loop {
             let before = ask.best;
@@ -288,12 +316,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// How much light comes to the beams of a packet.
     #[inline(always)]
     fn light_all(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let mut packet = [beams[0].beam; RAYS];
-        let mut from = [None; RAYS];
-        for (number, it) in beams.iter().enumerate() {
-            packet[number] = it.beam;
-            from[number] = Some(&it.from);
-        }
+        let (packet, from) = gathered(beams);
         let mut ask = PacketAsk::new(Question::Any, all_of(beams.len()), &packet, from);
         if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
             return self.light_each(beams, light);
@@ -362,7 +385,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let (called, from) = (Origin::NONE, ask.start_part(0));
         let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0, unit };
         match store.cell(self.generation, state)? {
-            Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Start { cell, passage }),
+            Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Beginning { cell, passage }),
             None => self.ask_unkept(ask, passage),
         }
     }
@@ -373,8 +396,19 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     fn ask_unkept(&self, ask: &mut Ask, passage: Passage) -> Result<(), Fault> {
         let cell = build::build(self.tracing.store, passage.state)?;
         let mut scratch = Scratch::default();
-        self.tracing.search(self.generation, &mut scratch, ask, Start { cell: &cell, passage })
+        self.tracing.search(self.generation, &mut scratch, ask, Beginning { cell: &cell, passage })
     }
+}
+
+/// The beams of a packet and the surfaces that they start on. Lanes that are left are filled with the first beam.
+#[inline(always)]
+fn gathered<B: Start>(beams: &[B]) -> ([Beam; RAYS], [Option<&Site>; RAYS]) {
+    let mut packet = [beams[0].beam().0; RAYS];
+    let mut from = [None; RAYS];
+    for (number, it) in beams.iter().enumerate() {
+        (packet[number], from[number]) = it.beam();
+    }
+    (packet, from)
 }
 
 /// The bits of so many rays.

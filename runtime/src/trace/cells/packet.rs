@@ -15,7 +15,7 @@ use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at
 use crate::fault::Fault;
 use crate::form::Origin;
 use crate::geometry::Convex;
-use crate::lanes::{EIGHT, Kernel, Mask, Wide};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, negative16};
 use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
@@ -50,12 +50,7 @@ pub(super) struct PacketAsk<'q> {
 impl<'q> PacketAsk<'q> {
     /// A question along the beams of the bits that are set.
     #[inline(always)]
-    pub(super) fn new(
-        question: Question,
-        asking: u32,
-        beams: &[Beam; RAYS],
-        from: [Option<&'q Site>; RAYS],
-    ) -> Self {
+    pub(super) fn new(question: Question, asking: u32, beams: &[Beam; RAYS], from: [Option<&'q Site>; RAYS]) -> Self {
         let (mut width, mut spread) = ([[0.0; EIGHT]; 2], [[0.0; EIGHT]; 2]);
         for (number, beam) in beams.iter().enumerate() {
             width[number / EIGHT][number % EIGHT] = beam.width;
@@ -371,7 +366,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let zero = Wide::splat(lanes, 0.0);
         let begin = [below_single(low.own(zero)), below_single(high.own(zero))];
         frame.rays.from = kernel.narrow(begin[0].value, begin[1].value);
-        frame.from_least = -most(kernel, lanes.neg_f32s(frame.rays.from));
+        frame.from_least = -most(kernel, negative16(lanes, frame.rays.from));
         frame.wild = !tame;
         frame.renew(kernel, self.ask);
         let (cell, way) = (frame.cell, frame.way);

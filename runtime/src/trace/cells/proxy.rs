@@ -2,19 +2,19 @@
 //! what they are painted with, and how much of the light gets to them. All by the direction it is seen in, and in the frame of
 //! its own cell.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::form::MaterialId;
 
-/// The looks of a part from far away.
+/// The looks of a part from far away: functions of the direction d, of length 1, that it is seen along.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Proxy {
-    /// The square of the area that it hides, seen along a unit vector d: `d · squares d`. It is exact for ellipsoids and for flat
-    /// parts, and for many small parts as good as their mean (Heitz et al. 2015, "The SGGX microflake distribution").
-    squares: DMat3,
-    /// The mean normal of what is seen along d, times the area: `facing d`. Exact for the same.
-    facing: DMat3,
+    /// The square of the area that it hides, by the products of degree four of the parts of d. It is exact for ellipsoids and for
+    /// flat parts (Heitz et al. 2015, "The SGGX microflake distribution", take those of degree two).
+    squares: [f64; EVEN],
+    /// The mean normal of what is seen, times the area, by the products of degree two and three. Exact for the same.
+    facing: [DVec3; MIXED],
     /// Its paints, none for the paint around, with their shares, which add up to 1.
     pub(super) paints: SmallVec<[(Option<MaterialId>, f64); 3]>,
     /// How much of what faces a light is not in the shadow of another part of it.
@@ -23,33 +23,58 @@ pub(super) struct Proxy {
 
 /// Paints that are told apart; the rest is counted with the one that has the largest share.
 const PAINTS: usize = 3;
+/// Products of degree four. Since x² + y² + z² is 1, those of degree two are among their sums.
+const EVEN: usize = 15;
+/// Products of degree two and three.
+const MIXED: usize = 16;
 
 impl Proxy {
     /// The area that it hides, seen along a direction of length 1.
     pub(super) fn area(&self, direction: DVec3) -> f64 {
-        direction.dot(self.squares * direction).max(0.0).sqrt()
+        let square: f64 = even(direction).iter().zip(self.squares).map(|(term, factor)| term * factor).sum();
+        square.max(0.0).sqrt()
     }
 
     /// The mean normal of what is seen along a direction of length 1. It is the shorter the more normals differ.
     pub(super) fn normal(&self, direction: DVec3) -> DVec3 {
         let area = self.area(direction);
-        let mean = if area > 0.0 { self.facing * direction / area } else { DVec3::ZERO };
-        let length = mean.length();
-        if !(length > 1e-9) {
+        let sum: DVec3 = mixed(direction).iter().zip(self.facing).map(|(term, factor)| factor * *term).sum();
+        let length = sum.length() / area;
+        if !(area > 0.0 && length > 1e-9) {
             // Nothing to go by: it looks like a ball.
             return -direction * BALL;
         }
-        mean * (length.min(1.0) / length)
+        sum / area * (length.min(1.0) / length)
     }
 }
 
 /// The length of the mean normal of what is seen of a ball.
 const BALL: f64 = 2.0 / 3.0;
 
+fn even(d: DVec3) -> [f64; EVEN] {
+    let (xx, yy, zz) = (d.x * d.x, d.y * d.y, d.z * d.z);
+    let (xy, yz, zx) = (d.x * d.y, d.y * d.z, d.z * d.x);
+    let squares = [xx * xx, yy * yy, zz * zz, xx * yy, yy * zz, zz * xx];
+    let rest = [xx * xy, xx * yz, xx * zx, yy * xy, yy * yz, yy * zx, zz * xy, zz * yz, zz * zx];
+    let mut all = [0.0; EVEN];
+    all[..6].copy_from_slice(&squares);
+    all[6..].copy_from_slice(&rest);
+    all
+}
+
+fn mixed(d: DVec3) -> [f64; MIXED] {
+    let (xx, yy, zz) = (d.x * d.x, d.y * d.y, d.z * d.z);
+    let (xy, yz, zx) = (d.x * d.y, d.y * d.z, d.z * d.x);
+    let (by_xx, by_yy, by_zz) = (d * xx, d * yy, d * zz);
+    [xx, yy, zz, xy, yz, zx, by_xx.x, by_xx.y, by_xx.z, by_yy.x, by_yy.y, by_yy.z, by_zz.x, by_zz.y, by_zz.z, xy * d.z]
+}
+
 /// What is measured of a part, to make a [`Proxy`] of.
 #[derive(Debug, Default)]
 pub(super) struct Survey {
     views: Vec<View>,
+    /// The view that is looked along.
+    view: usize,
     paints: Vec<(Option<MaterialId>, f64)>,
     lit: f64,
     aimed: f64,
@@ -65,14 +90,17 @@ struct View {
 }
 
 impl Survey {
-    /// Begins the view along a direction of length 1.
-    pub(super) fn look(&mut self, direction: DVec3) {
-        self.views.push(View { direction, area: 0.0, normals: DVec3::ZERO });
+    /// Begins the view of a number along a direction of length 1, or goes on with it. Views begin in order.
+    pub(super) fn look(&mut self, number: usize, direction: DVec3) {
+        if number == self.views.len() {
+            self.views.push(View { direction, area: 0.0, normals: DVec3::ZERO });
+        }
+        self.view = number;
     }
 
     /// Something is seen that hides so much area; its normal is the shorter the more normals differ there.
     pub(super) fn see(&mut self, area: f64, normal: DVec3) {
-        if let Some(view) = self.views.last_mut() {
+        if let Some(view) = self.views.get_mut(self.view) {
             view.area += area;
             view.normals += normal * area;
         }
@@ -92,13 +120,16 @@ impl Survey {
         self.aimed += area;
     }
 
-    /// What has been seen on the whole, of so many parts that look alike.
-    pub(super) fn proxy(mut self, parts: u32) -> Proxy {
-        let share = 1.0 / f64::from(parts.max(1));
-        let squares = squares_of(&self.views, share);
-        // The directions lie evenly, so the sum of their d dᵀ is a third of their number in all directions.
-        let views = self.views.len() as f64 / 3.0;
-        let facing = self.views.iter().fold(DMat3::ZERO, |sum, it| sum + outer(it.normals, it.direction)) * (1.0 / views);
+    /// What has been seen on the whole.
+    pub(super) fn proxy(mut self) -> Proxy {
+        // The square of the area is that of what is hidden, on which side ever one looks.
+        let squares = fitted(self.views.iter().map(|it| (even(it.direction), it.area * it.area)));
+        let part = |axis: usize| fitted(self.views.iter().map(|it| (mixed(it.direction), it.normals[axis])));
+        let parts = [part(0), part(1), part(2)];
+        let mut facing = [DVec3::ZERO; MIXED];
+        for (number, it) in facing.iter_mut().enumerate() {
+            *it = DVec3::new(parts[0][number], parts[1][number], parts[2][number]);
+        }
         self.paints.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let all: f64 = self.paints.iter().map(|it| it.1).sum();
         let mut paints: SmallVec<[(Option<MaterialId>, f64); 3]> =
@@ -113,47 +144,39 @@ impl Survey {
     }
 }
 
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
-}
-
-/// The quadratic form that comes nearest to the squares of the areas seen.
-fn squares_of(views: &[View], share: f64) -> DMat3 {
-    // The equations of least squares for the six numbers of a symmetric matrix.
-    let mut equations = [[0.0; 7]; 6];
-    for view in views {
-        let d = view.direction;
-        let terms = [d.x * d.x, d.y * d.y, d.z * d.z, 2.0 * d.x * d.y, 2.0 * d.y * d.z, 2.0 * d.z * d.x];
-        let area = view.area * share;
-        for (row, a) in equations.iter_mut().zip(terms) {
-            for (sum, b) in row.iter_mut().zip(terms) {
-                *sum += a * b;
+/// The factors of terms whose sum comes nearest to values (least squares).
+fn fitted<const N: usize>(values: impl Iterator<Item = ([f64; N], f64)>) -> [f64; N] {
+    let (mut matrix, mut right) = ([[0.0; N]; N], [0.0; N]);
+    for (terms, value) in values {
+        for (row, a) in terms.iter().enumerate() {
+            for (column, b) in terms.iter().enumerate() {
+                matrix[row][column] += a * b;
             }
-            row[6] += a * area * area;
+            right[row] += a * value;
         }
     }
-    let [xx, yy, zz, xy, yz, zx] = solved(equations);
-    DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz))
+    solved(matrix, right)
 }
 
-/// Solves six linear equations (Gauss and Jordan, with pivots).
-fn solved(mut rows: [[f64; 7]; 6]) -> [f64; 6] {
-    for column in 0..6 {
-        let pivot = (column..6).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
-        rows.swap(column, pivot.unwrap_or(column));
-        let pivot = rows[column];
-        for (number, row) in rows.iter_mut().enumerate() {
-            if number != column && pivot[column] != 0.0 {
-                let factor = row[column] / pivot[column];
-                for (it, above) in row.iter_mut().zip(pivot) {
-                    *it -= factor * above;
-                }
+/// Solves linear equations (Gauss and Jordan, with pivots); what they leave open is 0.
+fn solved<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
+    for column in 0..N {
+        let size = |row: &usize| matrix[*row][column].abs();
+        let pivot = (column..N).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
+        matrix.swap(column, pivot);
+        right.swap(column, pivot);
+        let (pivot, value) = (matrix[column], right[column]);
+        for row in (0..N).filter(|it| *it != column && pivot[column] != 0.0) {
+            let factor = matrix[row][column] / pivot[column];
+            for (it, above) in matrix[row].iter_mut().zip(pivot) {
+                *it -= factor * above;
             }
+            right[row] -= factor * value;
         }
     }
-    let mut result = [0.0; 6];
-    for (number, row) in rows.iter().enumerate() {
-        result[number] = if row[number] == 0.0 { 0.0 } else { row[6] / row[number] };
+    let mut result = [0.0; N];
+    for (row, it) in result.iter_mut().enumerate() {
+        *it = if matrix[row][row] == 0.0 { 0.0 } else { right[row] / matrix[row][row] };
     }
     result
 }
@@ -166,12 +189,12 @@ mod tests {
     /// A survey of something whose area and mean normal along each direction are known.
     fn survey(area: impl Fn(DVec3) -> f64, normal: impl Fn(DVec3) -> DVec3) -> Proxy {
         let mut survey = Survey::default();
-        for direction in directions() {
-            survey.look(direction);
+        for (number, direction) in directions().enumerate() {
+            survey.look(number, direction);
             survey.see(area(direction), normal(direction));
             survey.paint(None, 1.0);
         }
-        survey.proxy(1)
+        survey.proxy()
     }
 
     #[test]
@@ -203,7 +226,7 @@ mod tests {
         for number in 0..5 {
             survey.paint(Some(MaterialId(number)), f64::from(number));
         }
-        let shares: Vec<f64> = survey.proxy(1).paints.iter().map(|it| it.1).collect();
+        let shares: Vec<f64> = survey.proxy().paints.iter().map(|it| it.1).collect();
         assert_eq!(shares.len(), PAINTS);
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!(shares[0] > shares[1] && shares[1] > shares[2]);

@@ -4,8 +4,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use pulp::{Simd, f64x8};
 
 use crate::geometry::{Aabb, Lines, Ray};
-use crate::trace::Beam;
 use crate::lanes::{EIGHT, One, Wide, Wide3};
+use crate::trace::Beam;
 
 /// A ray in the frame of a cell, with a direction of about length 1 and an origin of its own: the point nearest the
 /// cell's centre.

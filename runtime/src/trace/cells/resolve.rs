@@ -251,7 +251,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             };
             let instance = &cell.instances[instance as usize];
             let (way, state) = (instance.way, instance.state);
-            let (route, frozen) = if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
+            let (route, frozen) =
+                if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
             let material = part.material.or(place.material);
             (place.material, place.route, place.frozen) = (material, route, frozen);
             place.cell_from_world = near_one(way.inner_from_outer.matrix3 * place.cell_from_world);

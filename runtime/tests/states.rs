@@ -108,11 +108,3 @@ fn more_parts_than_the_limit_are_a_fault() {
     let fault = count(899_999).expect_err("one part too many");
     assert_eq!(fault.kind, FaultKind::Limit { limit: Limit::Nodes, most: 899_999 });
 }
-
-#[test]
-fn a_cycle_that_never_reaches_a_primitive_is_a_fault_and_not_an_empty_picture() {
-    // At order inf the rest stays inf, so the same state comes back at every turn.
-    let scene = common::sierpinski(f64::INFINITY);
-    let fault = CellTracer::new(&scene, &Limits::default(), Culling::State).expect_err("there is nothing to draw");
-    assert!(matches!(fault.kind, FaultKind::Endless { .. }), "{fault:?}");
-}

@@ -20,7 +20,7 @@ pub(super) enum Ending {
     /// What it was measured to look like.
     Looks(Arc<Proxy>),
     /// The solid that the program gives.
-    Solid(Cell),
+    Solid(Box<Cell>),
 }
 
 /// An ending as a ray meets it.
@@ -74,7 +74,7 @@ pub(super) fn ending<'g, K: Kernel>(
     }
     let led = |fault| led_by(fault, std::iter::once(store.step(state, called)));
     if let Some(cell) = build_proxy(store, model).map_err(led)? {
-        return Ok(generation.end(model, Ending::Solid(cell)).met());
+        return Ok(generation.end(model, Ending::Solid(Box::new(cell))).met());
     }
     let (proxy, clean) = measure(tracing, generation, model, ask).map_err(led)?;
     let proxy = Arc::new(proxy);

@@ -137,6 +137,7 @@ impl<'q> PacketAsk<'q> {
 }
 
 /// What a ray has found by itself.
+#[derive(Clone, Copy)]
 struct Answer {
     best: f64,
     found: Found,

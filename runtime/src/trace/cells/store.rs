@@ -232,7 +232,7 @@ impl Generation {
         if place.set(Box::new(ending)).is_ok() {
             self.bytes.fetch_add(bytes, Ordering::Relaxed);
         }
-        place.get_or_init(|| Box::new(Ending::Solid(Cell::default())))
+        place.get_or_init(|| Box::new(Ending::Solid(Box::default())))
     }
 
     /// Whether it has had its share of the budget.

@@ -7,7 +7,6 @@ mod common;
 use std::collections::HashSet;
 
 use treegen_runtime::form::{BinaryOp, Node, Origin, PrimitiveKind, Scene, Slot, TransformKind};
-use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::{Expander, Group, Solid, State};
 use treegen_runtime::{FaultKind, Limit, Limits};
 

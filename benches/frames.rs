@@ -33,6 +33,9 @@ struct Arguments {
     /// Rays a pixel
     #[arg(long, default_value_t = 1)]
     samples: u32,
+    /// How many pixels large what recursion is not followed into is; 0, as the peers have it, follows it to its end
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.0)]
+    detail: f64,
     /// Memory for what is kept between rays, in MB
     #[arg(long, default_value_t = 256)]
     cell_memory: u64,
@@ -80,7 +83,8 @@ fn scene(arguments: &Arguments) -> Result<Scene, Box<dyn Error>> {
 
 fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
     let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..Limits::default() };
-    let options = RenderOptions { samples: Some(arguments.samples), ..RenderOptions::default() };
+    let (samples, detail) = (Some(arguments.samples), arguments.detail);
+    let options = RenderOptions { samples, detail, ..RenderOptions::default() };
     let (tracer, prepare_cpu_s) = timed(|| CellTracer::new(scene, &limits, Culling::State));
     let tracer = tracer?;
     let (picture, first_cpu_s) = timed(|| render(scene, &tracer, &options, &()));

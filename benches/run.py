@@ -211,7 +211,7 @@ def report(name, rows):
 
 def treegen(scene):
     picture, stats = WORK / "treegen.png", WORK / "treegen.json"
-    options = ["--samples", "1", "--threads", "1", "-q", "--stats", stats, "-o", picture]
+    options = ["--samples", "1", "--detail", "0", "--threads", "1", "-q", "--stats", stats, "-o", picture]
     run([scene.tools["treegen"], scene.program, *options, *scene.set()])
     numbers = json.loads(stats.read_text())
     scene.rays = numbers["rays"]["camera"] + numbers["rays"]["shadow"]

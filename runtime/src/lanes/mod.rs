@@ -6,7 +6,7 @@
 
 mod wide;
 
-pub(crate) use self::wide::{Mask, Wide, Wide3};
+pub(crate) use self::wide::{Mask, Wide, Wide3, lane_of};
 
 use pulp::{Simd, f32x16, f64x8, u64x8};
 

@@ -139,11 +139,17 @@ impl<S: Simd> Wide3<S> {
     }
 }
 
+/// One of eight numbers, read where it stands.
+#[inline(always)]
+pub(crate) fn lane_of(numbers: &f64x8, lane: usize) -> f64 {
+    bytemuck::cast_ref::<f64x8, [f64; 8]>(numbers)[lane]
+}
+
 impl<S: Simd<f64s = f64x8>> Wide<S> {
     /// The number of a lane.
     #[inline(always)]
-    pub(crate) fn lane(self, lane: usize) -> f64 {
-        pulp::cast::<f64x8, [f64; 8]>(self.value)[lane]
+    pub(crate) fn lane(&self, lane: usize) -> f64 {
+        lane_of(&self.value, lane)
     }
 }
 
@@ -160,7 +166,7 @@ impl<S: Simd<f64s = f64x8>> Wide3<S> {
 
     /// The vector of a lane.
     #[inline(always)]
-    pub(crate) fn lane(self, lane: usize) -> DVec3 {
+    pub(crate) fn lane(&self, lane: usize) -> DVec3 {
         DVec3::new(self.x.lane(lane), self.y.lane(lane), self.z.lane(lane))
     }
 }

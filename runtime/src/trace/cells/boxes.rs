@@ -241,8 +241,8 @@ impl BoxRays {
     pub(super) fn ray(&self, lane: usize) -> BoxRay {
         let (mut origin, mut inverse) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
-            origin[axis] = pulp::cast::<f32x16, [f32; WIDTH]>(self.origin[axis])[lane];
-            inverse[axis] = pulp::cast::<f32x16, [f32; WIDTH]>(self.inverse[axis])[lane];
+            origin[axis] = bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(&self.origin[axis])[lane];
+            inverse[axis] = bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(&self.inverse[axis])[lane];
         }
         BoxRay { origin, inverse, upper: [upper(inverse[0]), upper(inverse[1]), upper(inverse[2])] }
     }

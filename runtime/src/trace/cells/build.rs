@@ -2,7 +2,7 @@
 //! cell, and all is laid out.
 //!
 //! What is merged follows from the states alone. States of few primitives are always merged into the cell they are
-//! in; then the largest instances, until there are about [`ENOUGH`] members. More gains nothing: what makes cells
+//! in; then the largest instances, until there are enough members ([`Measure`]). More gains nothing: what makes cells
 //! fast is that they stay in cache.
 
 use std::cmp::Ordering;
@@ -22,12 +22,25 @@ use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
-/// Members of a cell's union from which on nothing more is merged into it.
-const ENOUGH: usize = 64;
-/// Members that merging never goes beyond.
-const MOST: usize = 256;
-/// Primitives of a state that is always merged.
-const SMALL: usize = 16;
+/// How far states are merged into one cell.
+#[derive(Clone, Copy)]
+struct Measure {
+    /// Members of a cell's union from which on nothing more is merged into it.
+    enough: usize,
+    /// Members that merging never goes beyond.
+    most: usize,
+    /// Primitives of a state that is always merged.
+    small: usize,
+}
+
+impl Measure {
+    /// For states that come again and again: what makes their cells fast is that rays change frames seldom, and that all of
+    /// them stay in cache.
+    const REPEATED: Self = Self { enough: 256, most: 512, small: 64 };
+    /// For states that hardly ever come again: most of the work is to expand them, and large cells hold much that no ray sees.
+    const UNIQUE: Self = Self { enough: 64, most: 256, small: 16 };
+}
+
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
 /// Boxes of a Boolean's operand below which it is not worth a node.
@@ -80,7 +93,11 @@ impl Store<'_> {
         Ok(Frame::around(&self.loose(state)?.finite))
     }
 
-    /// Whether a state stands for [`SMALL`] primitives or less, and says so soon.
+    fn measure(&self, state: u32) -> Measure {
+        if self.state(state).path.is_some() { Measure::UNIQUE } else { Measure::REPEATED }
+    }
+
+    /// Whether a state stands for so few primitives that it is always merged, and says so soon.
     fn is_small(&self, state: u32) -> Result<bool, Fault> {
         let known = &self.known(state).small;
         if let Some(small) = known.get() {
@@ -91,13 +108,14 @@ impl Store<'_> {
     }
 
     fn count_few(&self, state: u32) -> Result<bool, Fault> {
+        let most = self.measure(state).small;
         let (mut primitives, mut opened) = (0, 0);
         let mut inside = vec![state];
         while let Some(state) = inside.pop() {
             let pieces = self.pieces(state)?;
             opened += 1;
             primitives += leaves(pieces);
-            if primitives > SMALL || opened > 2 * SMALL {
+            if primitives > most || opened > 2 * most {
                 return Ok(false);
             }
             Piece::instances(pieces, &mut |it, _| inside.push(it));
@@ -236,10 +254,11 @@ impl Ord for Candidate {
 
 impl Merge<'_, '_> {
     fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
+        let Measure { enough, most, .. } = self.store.measure(state);
         let top = self.open(state, Way::START)?;
         let mut members = top.len();
         let mut merged = 0;
-        while members < ENOUGH && merged < MOST_MERGED {
+        while members < enough && merged < MOST_MERGED {
             let Some(Candidate { slot, .. }) = self.heap.pop() else {
                 break;
             };
@@ -249,7 +268,7 @@ impl Merge<'_, '_> {
             let way = self.slots[slot].draft.way;
             let before = self.slots.len();
             let range = self.open(state, way).map_err(|it| called(self.store, state, origin, it))?;
-            if members - 1 + range.len() > MOST {
+            if members - 1 + range.len() > most {
                 self.slots.truncate(before);
                 self.heap.retain(|it| it.slot < before);
                 continue;

@@ -15,7 +15,7 @@ use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at
 use crate::fault::Fault;
 use crate::form::Origin;
 use crate::geometry::Convex;
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, negative16};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
 use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
@@ -81,8 +81,8 @@ impl<'q> PacketAsk<'q> {
     where
         'q: 'a,
     {
-        let number = |it: &Halves<f64x8>| pulp::cast::<f64x8, [f64; EIGHT]>(it[ray / EIGHT])[ray % EIGHT];
-        let girth = Girth { width: number(&self.width), spread: number(&self.spread) };
+        let (half, lane) = (ray / EIGHT, ray % EIGHT);
+        let girth = Girth { width: lane_of(&self.width[half], lane), spread: lane_of(&self.spread[half], lane) };
         let (best, found) = self.found(ray);
         let mut ask = Ask::new(self.question, self.from[ray], girth, notes);
         (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
@@ -91,9 +91,8 @@ impl<'q> PacketAsk<'q> {
 
     /// Where a ray has met something, and what.
     pub(super) fn found(&self, ray: usize) -> (f64, Found) {
-        let best = pulp::cast::<f64x8, [f64; EIGHT]>(self.best[ray / EIGHT])[ray % EIGHT];
-        let found = pulp::cast::<u64x8, [u64; EIGHT]>(self.found[ray / EIGHT])[ray % EIGHT];
-        (best, Found(found))
+        let found = &bytemuck::cast_ref::<u64x8, [u64; EIGHT]>(&self.found[ray / EIGHT])[ray % EIGHT];
+        (lane_of(&self.best[ray / EIGHT], ray % EIGHT), Found(*found))
     }
 
     /// Takes what a ray has found by itself.
@@ -106,12 +105,8 @@ impl<'q> PacketAsk<'q> {
         if self.found(ray) == (best, found) {
             return;
         }
-        let mut all: [f64; EIGHT] = pulp::cast(self.best[ray / EIGHT]);
-        all[ray % EIGHT] = best;
-        self.best[ray / EIGHT] = pulp::cast(all);
-        let mut all: [u64; EIGHT] = pulp::cast(self.found[ray / EIGHT]);
-        all[ray % EIGHT] = found.0;
-        self.found[ray / EIGHT] = pulp::cast(all);
+        bytemuck::cast_mut::<f64x8, [f64; EIGHT]>(&mut self.best[ray / EIGHT])[ray % EIGHT] = best;
+        bytemuck::cast_mut::<u64x8, [u64; EIGHT]>(&mut self.found[ray / EIGHT])[ray % EIGHT] = found.0;
         self.changes += 1;
     }
 

@@ -54,8 +54,25 @@ pub(super) struct Passage {
 /// The stacks of a search, kept from ray to ray.
 #[derive(Default)]
 pub(super) struct Scratch<'g> {
+    /// The cells that the ray is in, and room for more: a frame is filled where it stands.
     frames: Vec<Frame<'g>>,
+    /// How many of them.
+    depth: usize,
     ahead: Vec<Ahead>,
+}
+
+impl<'g> Scratch<'g> {
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.depth = 0;
+        self.ahead.clear();
+    }
+
+    /// The frame of the cell that the ray is in.
+    #[inline(always)]
+    fn last(&self) -> Option<&Frame<'g>> {
+        self.frames.get(self.depth.wrapping_sub(1))
+    }
 }
 
 /// A cell that the ray is in.
@@ -111,8 +128,7 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         start: Start<'g>,
     ) -> Result<(), Fault> {
         let mut search = Search { tracing: self, generation, scratch };
-        search.scratch.frames.clear();
-        search.scratch.ahead.clear();
+        search.scratch.clear();
         // No closure here: only what is inlined is compiled for the kernel's SIMD.
         let searched = match search.enter(ask, start) {
             Ok(first) => search.run(ask, first),
@@ -138,8 +154,7 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         what: Ref,
     ) -> Result<(), Fault> {
         let mut search = Search { tracing: self, generation, scratch };
-        search.scratch.frames.clear();
-        search.scratch.ahead.clear();
+        search.scratch.clear();
         search.push_frame(start);
         let first = Ahead { near: f32::NEG_INFINITY, what, frame: 0 };
         match search.run(ask, Some(first)) {
@@ -170,21 +185,26 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Adds the cells on the way to a fault.
     #[cold]
     fn led(&self, fault: Fault) -> Fault {
-        let frames = self.scratch.frames.iter().map(|it| &it.passage);
+        let frames = self.scratch.frames[..self.scratch.depth].iter().map(|it| &it.passage);
         led_by(fault, frames.map(|it| self.tracing.store.step(it.state, it.called)))
     }
 
     #[inline(always)]
     fn push_frame(&mut self, Start { cell, passage }: Start<'g>) {
         let start = f32_below(passage.ray.own(0.0));
-        self.scratch.frames.push(Frame { cell, passage, start });
+        let Scratch { frames, depth, .. } = &mut *self.scratch;
+        match frames.get_mut(*depth) {
+            Some(frame) => (frame.cell, frame.passage, frame.start) = (cell, passage, start),
+            None => frames.push(Frame { cell, passage, start }),
+        }
+        *depth += 1;
     }
 
     /// Goes into a cell.
     #[inline(always)]
     fn enter(&mut self, ask: &Ask, start: Start<'g>) -> Result<Option<Ahead>, Stop> {
         let Start { cell, passage: Passage { ray, levels, called, .. } } = start;
-        let frame = self.scratch.frames.len() as u32;
+        let frame = self.scratch.depth as u32;
         self.push_frame(start);
         self.tracing.check_depth(levels.saturating_add(cell.levels), called)?;
         let Some(union) = cell.unions.first() else {
@@ -208,8 +228,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 return Ok(());
             };
             ask.step(self.tracing.store.limits.steps)?;
-            self.scratch.frames.truncate(number as usize + 1);
-            let Some(frame) = self.scratch.frames.last() else {
+            self.scratch.depth = number as usize + 1;
+            let Some(frame) = self.scratch.last() else {
                 return Ok(());
             };
             let cell = frame.cell;
@@ -241,8 +261,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Gives the nearest of what the ray meets in a node, and puts the rest on the stack, the nearest on top.
     #[inline(always)]
     fn node(&mut self, ask: &Ask, number: u32, node: u32) -> Option<Ahead> {
-        let Scratch { frames, ahead } = &mut *self.scratch;
-        let frame = frames.last()?;
+        let Scratch { frames, depth, ahead } = &mut *self.scratch;
+        let frame = frames.get(*depth - 1)?;
         let node = &frame.cell.nodes[node as usize];
         let to = end(ask, &frame.passage.ray);
         let (bits, near) = met_of(self.tracing.kernel, self.tracing.cull, node, &frame.passage.boxes, frame.start, to);
@@ -274,7 +294,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
 
     #[inline(always)]
     fn instance(&mut self, ask: &mut Ask, instance: &Instance) -> Result<Option<Ahead>, Stop> {
-        let Some(Frame { cell, passage, .. }) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(None);
         };
         let part = &cell.parts[instance.part as usize];
@@ -306,7 +326,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Recursion ends at an instance: the beam is as wide as that.
     #[inline(never)]
     fn end(&mut self, ask: &mut Ask, instance: &Instance, ray: &Local, boxes: BoxRay) -> Result<Option<Ahead>, Stop> {
-        let Some(Frame { cell, passage, .. }) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(None);
         };
         let part = &cell.parts[instance.part as usize];
@@ -364,7 +384,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
 
     #[inline(never)]
     fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Stop> {
-        let Some(Frame { cell, passage, .. }) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(());
         };
         let place = Place::new(cell, passage);

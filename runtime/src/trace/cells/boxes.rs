@@ -291,6 +291,46 @@ fn reach<S: Simd<f32s = f32x16>>(lanes: S, mask: S::m32s, numbers: f32x16) -> (f
     (low, lanes.reduce_max_f32s(select16(lanes, mask, numbers, least)))
 }
 
+/// The boxes of a node that rays meet: each where the first of them may come in, its lane, and which rays, in one number.
+#[derive(Default)]
+pub(super) struct Opened {
+    boxes: [u64; WIDTH],
+    count: usize,
+}
+
+impl Opened {
+    #[inline(always)]
+    pub(super) fn add(&mut self, lane: usize, near: f32, rays: u32) {
+        // The bits of a number of single precision, so turned that they come in the order of the numbers.
+        let bits = near.to_bits();
+        let order = bits ^ if bits >> 31 == 1 { u32::MAX } else { 1 << 31 };
+        self.boxes[self.count] = u64::from(order) << 32 | (lane as u64) << 16 | u64::from(rays);
+        self.count += usize::from(rays != 0);
+    }
+
+    /// Puts the nearest first.
+    #[inline(always)]
+    pub(super) fn sort(&mut self) {
+        for end in 1..self.count {
+            let it = self.boxes[end];
+            let mut place = end;
+            while place > 0 && self.boxes[place - 1] > it {
+                self.boxes[place] = self.boxes[place - 1];
+                place -= 1;
+            }
+            self.boxes[place] = it;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = (usize, u32)> {
+        self.boxes[..self.count].iter().map(
+            #[inline(always)]
+            |it| ((it >> 16) as usize & (WIDTH - 1), *it as u32 & 0xffff),
+        )
+    }
+}
+
 /// The numbers of the bits that are set.
 #[inline(always)]
 pub(super) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {

@@ -6,7 +6,7 @@
 use pulp::{Simd, f32x16, f64x8, u64x8};
 
 use super::ask::{Ask, Found, Girth, Loss, Mark, NONE, Notes, Question, start_part};
-use super::boxes::{BoxRays, Met, Node, WIDTH, lanes_of};
+use super::boxes::{BoxRays, Met, Node, Opened, WIDTH, lanes_of};
 use super::cell::{Cell, Leaf, LeafShape, Named, Ref};
 use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
@@ -404,25 +404,29 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         } else {
             (node.lanes(), [f32::NEG_INFINITY; WIDTH])
         };
-        let (order, count) = in_order(bits, &near, self.ask.question);
-        let bottom = self.scratch.ahead.len();
-        for lane in &order[..count] {
-            let lane = usize::from(*lane);
-            self.renew();
-            let Some(frame) = self.scratch.last() else {
-                return;
+        let mut met = Opened::default();
+        let rays = rays & self.ask.asking;
+        for lane in lanes_of(bits) {
+            let meeting = if self.tracing.cull {
+                rays & frame.rays.boxes.meet(kernel, node, lane, frame.rays.from, frame.rays.to)
+            } else {
+                rays
             };
-            let mut met = rays & self.ask.asking;
-            if self.tracing.cull {
-                met &= frame.rays.boxes.meet(kernel, node, lane, frame.rays.from, frame.rays.to);
-            }
-            if met == 0 {
+            met.add(lane, near[lane], meeting);
+        }
+        if self.ask.question != Question::Any {
+            met.sort();
+        }
+        let bottom = self.scratch.ahead.len();
+        for (lane, rays) in met.iter() {
+            let rays = rays & self.ask.asking;
+            if rays == 0 {
                 continue;
             }
             let what = node.inside[lane];
             match what.named() {
-                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], met),
-                _ => self.scratch.ahead.push(Ahead { near: near[lane], what, frame: number, rays: met }),
+                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+                _ => self.scratch.ahead.push(Ahead { near: near[lane], what, frame: number, rays }),
             }
         }
         self.scratch.ahead[bottom..].reverse();
@@ -721,23 +725,4 @@ fn most<K: Kernel>(kernel: K, numbers: f32x16) -> f32 {
     let lanes = kernel.lanes();
     let all = kernel.bits16(lanes.equal_f32s(numbers, numbers)) == 0xffff;
     if all { lanes.reduce_max_f32s(numbers) } else { f32::INFINITY }
-}
-
-/// The lanes that are set, by where rays come into their boxes; in no order if any hit will do.
-#[inline(always)]
-fn in_order(bits: u32, near: &[f32; WIDTH], question: Question) -> ([u8; WIDTH], usize) {
-    let mut order = [0; WIDTH];
-    let mut count = 0;
-    for lane in lanes_of(bits) {
-        let mut place = count;
-        if question != Question::Any {
-            while place > 0 && near[usize::from(order[place - 1])] > near[lane] {
-                order[place] = order[place - 1];
-                place -= 1;
-            }
-        }
-        order[place] = lane as u8;
-        count += 1;
-    }
-    (order, count)
 }

@@ -5,7 +5,7 @@
 
 use super::ask::{Ask, Event, Mark, NONE, Question};
 use super::boolean::{Pieces, Place};
-use super::boxes::{BoxRay, Met, Node, WIDTH, lanes_of, meet};
+use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
 use super::build::build;
 use super::cell::{Boolean, Cell, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
@@ -266,29 +266,19 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let node = &frame.cell.nodes[node as usize];
         let to = end(ask, &frame.passage.ray);
         let (bits, near) = met_of(self.tracing.kernel, self.tracing.cull, node, &frame.passage.boxes, frame.start, to);
-        let mut lanes = lanes_of(bits).map(
+        let mut met = Opened::default();
+        for lane in lanes_of(bits) {
+            met.add(lane, near[lane], 1);
+        }
+        if ask.question != Question::Any {
+            met.sort();
+        }
+        let mut boxes = met.iter().map(
             #[inline(always)]
-            |lane| Ahead { near: near[lane], what: node.inside[lane], frame: number },
+            |(lane, _)| Ahead { near: near[lane], what: node.inside[lane], frame: number },
         );
-        let mut nearest = lanes.next()?;
-        if ask.question == Question::Any {
-            // Any hit will do, so no order is better than another.
-            ahead.extend(lanes);
-            return Some(nearest);
-        }
-        let bottom = ahead.len();
-        for mut other in lanes {
-            if other.near < nearest.near {
-                std::mem::swap(&mut nearest, &mut other);
-            }
-            let mut place = ahead.len();
-            ahead.push(other);
-            while place > bottom && ahead[place - 1].near < other.near {
-                ahead[place] = ahead[place - 1];
-                place -= 1;
-            }
-            ahead[place] = other;
-        }
+        let nearest = boxes.next()?;
+        ahead.extend(boxes.rev());
         Some(nearest)
     }
 

@@ -136,6 +136,15 @@ impl Default for Cell {
 }
 
 impl Cell {
+    /// The way into the instance that a part is, and its state; none if the part is no instance.
+    pub(super) fn into_part(&self, part: u32) -> Option<(&Inwards, u32)> {
+        let Named::Instance(number) = self.parts.get(part as usize)?.member.named() else {
+            return None;
+        };
+        let Instance { way, state, .. } = &self.instances[number as usize];
+        Some((way, *state))
+    }
+
     /// A leaf as a primitive.
     pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
         match leaf.shape {

@@ -55,7 +55,8 @@ struct Place<'g> {
     cell: Held<'g>,
     /// The numbers of the parts on the way.
     path: SmallVec<[u32; 12]>,
-    ways: SmallVec<[Inwards; 6]>,
+    /// The ways into the cells on the way, as far as those are kept.
+    ways: SmallVec<[&'g Inwards; 8]>,
     material: Option<MaterialId>,
     route: Route,
     frozen: bool,
@@ -118,7 +119,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let mark = hit.found.mark();
         self.go(notes, mark)?;
         if let Some(place) = &self.place {
-            place.see(self.cell_of(place), self.cell_from_world, mark, hit, seen);
+            self.see_surface(place, mark, hit, seen);
         }
         Ok(())
     }
@@ -177,7 +178,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 Some(Known::UnderWay) | None => None,
             },
         };
-        let local = place.local(self.cell_from_world, ray).entered(&instance.way).0;
+        let local = self.local(place, ray).entered(&instance.way).0;
         let mean = proxy.as_ref().map_or(-local.direction, |it| it.normal(local.direction));
         let inner_from_world = instance.way.inner_from_outer.matrix3 * place.cell_from_world;
         let position = ray.at(veil.t);
@@ -203,6 +204,43 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 ..Fragment::of_surface(veil.t, position, normal, part.origin)
             });
         }
+    }
+
+    /// A ray in the frame of a place.
+    fn local(&self, place: &Place, ray: &Ray) -> Local {
+        let start = Local::new(ray, self.cell_from_world);
+        if place.ways.len() == place.path.len() {
+            return place.ways.iter().fold(start, |local, way| local.entered(way).0);
+        }
+        self.local_by_path(place, start)
+    }
+
+    /// The same where cells on the way are not kept.
+    #[cold]
+    fn local_by_path(&self, place: &Place, start: Local) -> Local {
+        let mut local = start;
+        let mut cell = match self.root {
+            Root::State(state) => self.held(state).ok(),
+            Root::Cell(_) => Some(Held::Root),
+        };
+        for number in &place.path {
+            let here = match (&cell, self.root) {
+                (Some(Held::Kept(cell)), _) => *cell,
+                (Some(Held::Own(cell)), _) => cell,
+                (Some(Held::Root), Root::Cell(cell)) => cell,
+                _ => break,
+            };
+            let Some((way, state)) = here.into_part(number & !ENDED) else {
+                break;
+            };
+            local = local.entered(way).0;
+            let ended = number & ENDED != 0;
+            cell = match self.generation.ending(self.store.model(state)) {
+                Some(Ending::Solid(cell)) if ended => Some(Held::Kept(cell)),
+                _ => self.held(state).ok(),
+            };
+        }
+        local
     }
 
     fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
@@ -250,13 +288,15 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 break;
             };
             let instance = &cell.instances[instance as usize];
-            let (way, state) = (instance.way, instance.state);
-            let (route, frozen) =
-                if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
+            let state = instance.state;
+            let (route, frozen) = if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
             let material = part.material.or(place.material);
+            let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
+            if let Held::Kept(cell) = place.cell {
+                place.ways.extend(cell.into_part(number).map(|it| it.0));
+            }
             (place.material, place.route, place.frozen) = (material, route, frozen);
-            place.cell_from_world = near_one(way.inner_from_outer.matrix3 * place.cell_from_world);
-            place.ways.push(way);
+            place.cell_from_world = cell_from_world;
             place.cell = match self.generation.ending(self.store.model(state)) {
                 Some(Ending::Solid(cell)) if ended => Held::Kept(cell),
                 _ => self.held(state)?,
@@ -264,6 +304,49 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
         place.path = path;
         Ok(place)
+    }
+
+    /// Adds the surface where a ray ends.
+    #[inline]
+    fn see_surface(&self, place: &Place, mark: Mark, hit: &Hit, seen: &mut Seen) {
+        let cell = self.cell_of(place);
+        let Some(part) = cell.parts.get(mark.part as usize) else {
+            return;
+        };
+        let (normal, spread) = match part.member.named() {
+            Named::Leaf(leaf) => {
+                let leaf = &cell.leaves[leaf as usize];
+                let outwards = self.normal(place, cell, leaf, mark.face, hit);
+                let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
+                (if turned { -outwards } else { outwards }, 0.0)
+            }
+            // The closed box that stands for an instance inside a Boolean.
+            _ => (-hit.ray.direction.normalize(), 0.5),
+        };
+        let mut path = place.path.clone();
+        path.push(mark.part);
+        seen.push(Fragment {
+            spread,
+            material: part.material.or(place.material),
+            route: place.route_to(part),
+            site: Site { path, face: mark.face },
+            ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
+        });
+    }
+
+    /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
+    /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
+    #[inline]
+    fn normal(&self, place: &Place, cell: &Cell, leaf: &Leaf, face: u8, hit: &Hit) -> DVec3 {
+        let primitive = cell.primitive(leaf);
+        let point = if primitive.is_flat(face) {
+            DVec3::ZERO
+        } else {
+            point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
+        };
+        let normal = leaf.leaf_from_cell.matrix3.transpose() * primitive.normal(point, face);
+        let normal = place.cell_from_world.transpose() * (normal * (1.0 / normal.abs().max_element()));
+        normal.normalize()
     }
 
     fn held(&self, state: u32) -> Result<Held<'g>, Fault> {
@@ -275,65 +358,23 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 }
 
 impl Place<'_> {
-    #[inline]
-    fn see(&self, cell: &Cell, cell_from_world: &Inwards, mark: Mark, hit: &Hit, seen: &mut Seen) {
-        let Some(part) = cell.parts.get(mark.part as usize) else {
-            return;
-        };
-        let (normal, spread) = match part.member.named() {
-            Named::Leaf(leaf) => {
-                let leaf = &cell.leaves[leaf as usize];
-                let outwards = self.normal(cell_from_world, cell, leaf, mark.face, hit);
-                let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
-                (if turned { -outwards } else { outwards }, 0.0)
-            }
-            // The closed box that stands for an instance inside a Boolean.
-            _ => (-hit.ray.direction.normalize(), 0.5),
-        };
-        let mut path = self.path.clone();
-        path.push(mark.part);
-        seen.push(Fragment {
-            spread,
-            material: part.material.or(self.material),
-            route: self.route_to(part),
-            site: Site { path, face: mark.face },
-            ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
-        });
-    }
-
     /// A hash of the whole route to a part.
     fn route_to(&self, part: &Part) -> u64 {
         if self.frozen { self.route } else { self.route.then(part.route) }.hash()
-    }
-
-    /// A ray in the frame of the cell.
-    fn local(&self, cell_from_world: &Inwards, ray: &Ray) -> Local {
-        self.ways.iter().fold(Local::new(ray, cell_from_world), |local, way| local.entered(way).0)
-    }
-
-    /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
-    /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
-    #[inline]
-    fn normal(&self, cell_from_world: &Inwards, cell: &Cell, leaf: &Leaf, face: u8, hit: &Hit) -> DVec3 {
-        let primitive = cell.primitive(leaf);
-        let point = if primitive.is_flat(face) {
-            DVec3::ZERO
-        } else {
-            point_in(&self.local(cell_from_world, hit.ray), &leaf.leaf_from_cell, hit.depth)
-        };
-        let normal = leaf.leaf_from_cell.matrix3.transpose() * primitive.normal(point, face);
-        let normal = self.cell_from_world.transpose() * (normal / normal.abs().max_element());
-        normal.normalize()
     }
 }
 
 /// For ways that begin nowhere.
 static NO_CELL: LazyLock<Cell> = LazyLock::new(Cell::default);
 
-/// A matrix in other units, so that no length on a long way is out of range.
+/// A matrix in other units where they are needed, so that no length on a long way is out of range.
 fn near_one(matrix: DMat3) -> DMat3 {
     let size = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|it| it.abs().max_element());
-    let factor = 1.0 / size[0].max(size[1]).max(size[2]);
+    let size = size[0].max(size[1]).max(size[2]);
+    if (1e-60..1e60).contains(&size) {
+        return matrix;
+    }
+    let factor = 1.0 / size;
     DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
 }
 

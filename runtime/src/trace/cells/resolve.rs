@@ -289,7 +289,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             };
             let instance = &cell.instances[instance as usize];
             let state = instance.state;
-            let (route, frozen) = if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
+            let (route, frozen) =
+                if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
             let material = part.material.or(place.material);
             let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
             if let Held::Kept(cell) = place.cell {

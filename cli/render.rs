@@ -58,7 +58,7 @@ pub fn render(arguments: Render, console: Console) -> Result<(), Failure> {
 
     // Both are written before either gets its name, so that whatever fails leaves all as it was.
     let is_file = place.is_file();
-    let size = (made.picture.crop.width, made.picture.crop.height);
+    let (size, most_work) = ((made.picture.crop.width, made.picture.crop.height), made.picture.most_work);
     let stats = stats_place.map(|it| it.stage(&progress, |out| write_stats(&made.stats, out))).transpose()?;
     let picture = place.stage(&progress, |out| format.write(&made, out))?;
     drop(made);
@@ -67,7 +67,8 @@ pub fn render(arguments: Render, console: Console) -> Result<(), Failure> {
     }
     if is_file {
         let seconds = start.elapsed().as_secs_f64();
-        console.tell(&format!("{}: {} x {} pixels in {seconds:.2} s", shown(&output), size.0, size.1));
+        let white = most_work.map_or(String::new(), |it| format!(", white is {it} cells a ray"));
+        console.tell(&format!("{}: {} x {} pixels in {seconds:.2} s{white}", shown(&output), size.0, size.1));
     }
     Ok(())
 }
@@ -100,13 +101,7 @@ impl Outputs {
 
     /// A program is never overwritten by its own picture.
     fn refuse_sources(&self, sources: &[PathBuf]) -> Result<(), Failure> {
-        let places = || std::iter::once(&self.picture).chain(&self.stats);
-        match sources.iter().find(|source| places().any(|it| it.is_same_as(source))) {
-            Some(source) => {
-                Err(Failure::usage(format!("`{}` is the program, and would be overwritten", shown(source))))
-            }
-            None => Ok(()),
-        }
+        std::iter::once(&self.picture).chain(&self.stats).try_for_each(|it| it.refuse_sources(sources))
     }
 }
 
@@ -141,7 +136,7 @@ fn write_stats(stats: &Stats, out: &mut dyn Sink) -> io::Result<()> {
 /// Everything from reading the program to the last pixel.
 fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Console) -> Result<Made, Failure> {
     let start = Instant::now();
-    let limits = Limits { kept_bytes: arguments.cell_memory << 20, ..Limits::default() };
+    let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..Limits::default() };
     let program = compile(arguments.file(), &arguments.program, limits, console)?;
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;
@@ -231,6 +226,8 @@ fn options(arguments: &Render, program: &Understood, format: Format) -> Result<R
         samples: arguments.samples,
         layers: format == Format::Exr,
         tile: arguments.tile.unwrap_or(defaults.tile),
+        detail: arguments.detail,
+        heatmap: arguments.heatmap,
     })
 }
 
@@ -248,6 +245,12 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
         ("Size".to_owned(), format!("{}x{}", picture.width, picture.height)),
         ("Samples".to_owned(), arguments.samples.unwrap_or(program.scene.image.samples).to_string()),
     ];
+    if let Some(most) = picture.most_work {
+        text.push(("Heatmap".to_owned(), format!("white is {most} cells a ray")));
+    }
+    if arguments.detail != RenderOptions::default().detail {
+        text.push(("Detail".to_owned(), arguments.detail.to_string()));
+    }
     if let Some(Rect { x, y, width, height }) = arguments.crop {
         text.push(("Crop".to_owned(), format!("{x},{y},{width},{height}")));
     }

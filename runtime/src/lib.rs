@@ -6,11 +6,13 @@
 // A fault ends the run that met it; only then is its size paid for.
 #![allow(clippy::result_large_err)]
 
+mod abstraction;
 pub mod eval;
+pub mod export;
 pub mod fault;
 pub mod form;
 pub mod geometry;
-mod abstraction;
+mod lanes;
 mod limits;
 pub mod picture;
 mod quick_hash;

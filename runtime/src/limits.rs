@@ -19,8 +19,10 @@ pub struct Limits {
     pub steps: u64,
     /// Intervals on one ray.
     pub intervals: u32,
+    /// Primitives of an exported scene; places where there is nothing count, too.
+    pub primitives: u64,
     /// Bytes for states and cells that are kept. It affects the time, never the picture.
-    pub kept_bytes: u64,
+    pub cell_bytes: u64,
 }
 
 impl Default for Limits {
@@ -34,7 +36,8 @@ impl Default for Limits {
             items: 1_000_000,
             steps: 100_000_000,
             intervals: 4096,
-            kept_bytes: 256 << 20,
+            primitives: 10_000_000,
+            cell_bytes: 256 << 20,
         }
     }
 }

@@ -83,7 +83,9 @@ fn pick(expander: &Expander<'_>, group: &Group, dice: &mut Dice, nested: u32) ->
         Solid::Intersect(operands) => {
             let number = dice.below(operands.len());
             let points = points_of(expander, &operands[number], dice, nested)?;
-            let inside = |point: &DVec3| operands.iter().enumerate().all(|(other, it)| other == number || holds(expander, it, *point, nested));
+            let inside = |point: &DVec3| {
+                operands.iter().enumerate().all(|(other, it)| other == number || holds(expander, it, *point, nested))
+            };
             Ok(Some(Picked::Points(mapped(points.into_iter().filter(inside).collect(), &map))))
         }
         Solid::Difference(first, others) => {
@@ -122,9 +124,7 @@ fn holds(expander: &Expander<'_>, group: &Group, point: DVec3, nested: u32) -> b
                 let ray = Ray { origin: point, direction: DVec3::new(0.3, 0.5, 0.8) };
                 primitive.chords(&ray, None).iter().any(|it| it.near.t < 0.0 && it.far.t > 0.0)
             }
-            Solid::Instance(state, _) => {
-                expander.expand(state).is_ok_and(|it| holds(expander, &it, point, below))
-            }
+            Solid::Instance(state, _) => expander.expand(state).is_ok_and(|it| holds(expander, &it, point, below)),
             Solid::Intersect(operands) => operands.iter().all(|it| holds(expander, it, point, below)),
             Solid::Difference(first, others) => {
                 holds(expander, first, point, below) && !others.iter().any(|it| holds(expander, it, point, below))

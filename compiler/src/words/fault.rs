@@ -151,6 +151,7 @@ fn limit_code(limit: Limit) -> &'static str {
         Limit::Intervals => "E0918",
         Limit::Pixels => "E0919",
         Limit::Samples => "E0920",
+        Limit::Primitives => "E0921",
     }
 }
 
@@ -165,6 +166,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Steps => "a ray meets more than the limit",
         Limit::Intervals => "a ray goes in and out more often than the limit",
         Limit::Pixels => "the picture has more pixels than the limit",
+        Limit::Primitives => "the scene has more primitives than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
     }
 }

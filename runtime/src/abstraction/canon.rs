@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::cycles::{self, Knot, Link};
+use super::cycles::{self, Endless, Knot, Link};
 use super::flow::Flow;
 use super::run::{Meeting, Outcome, Rest, Run};
 use super::sketch::{AbstractState, Extent, Sketch};
@@ -126,7 +126,11 @@ impl Canon {
 
     /// All states that one leads to, itself first, by what is kept of them. It is an error if they are too many, or one
     /// of them is known to have too many.
-    pub(crate) fn states_below(&mut self, flow: &Flow, state: AbstractState) -> Option<Vec<(Arc<AbstractState>, Extent)>> {
+    pub(crate) fn states_below(
+        &mut self,
+        flow: &Flow,
+        state: AbstractState,
+    ) -> Option<Vec<(Arc<AbstractState>, Extent)>> {
         let number = self.number(state);
         let found = self.search(flow, number)?;
         let of = |it: &(u32, u32, Origin)| {
@@ -263,13 +267,13 @@ impl Canon {
                 }
                 Ok(())
             }
-            Err(trouble) => {
+            Err(Endless) => {
                 let way = self.way(found, *component.iter().min().unwrap_or(&0));
                 let mut places = component.to_vec();
                 places.sort_unstable();
                 let state = |it: &u32| AbstractState::clone(&self.nodes[found[*it as usize].0 as usize].state);
                 let cycle: Vec<AbstractState> = places.iter().map(state).collect();
-                Err(self.blame(flow).fault(Blame::Cycle(trouble), &way, &cycle))
+                Err(self.blame(flow).fault(Blame::Cycle, &way, &cycle))
             }
         }
     }
@@ -303,8 +307,8 @@ impl Canon {
         })?;
         match outcome {
             Outcome::Extent(extent) => Ok(extent),
-            Outcome::Trouble { trouble, way, cycle, is_wide } => {
-                let blame = if is_wide { Blame::Depth } else { Blame::Cycle(trouble) };
+            Outcome::Endless { way, cycle, is_wide } => {
+                let blame = if is_wide { Blame::Depth } else { Blame::Cycle };
                 Err(self.blame(flow).fault(blame, &way, &cycle))
             }
         }

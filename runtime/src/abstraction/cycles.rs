@@ -3,12 +3,13 @@
 //! Bounds that hold whatever is made from them hold for ever. If a cycle shrinks there are such bounds. Nothing here
 //! depends on the order in which the states of a cycle are given.
 
-use glam::{DAffine3, DMat3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::loose::Loose;
 use super::profile::stretch;
 use super::sketch::{Count, Extent, Part, Sketch, What};
 use super::step::{Step, Way};
+use crate::geometry::Aabb;
 
 /// The strongly connected components of a graph reached from one node, each after those it leads to (Tarjan 1972). It
 /// works on a stack of its own: derivations go deep.
@@ -67,14 +68,9 @@ pub(super) enum Link {
     Outside(Extent),
 }
 
-/// Why a cycle has no bounds.
+/// That a cycle has no bounds: it does not shrink, or may not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Trouble {
-    /// It does not shrink, or may not.
-    Endless,
-    /// It never comes to a primitive.
-    Hollow,
-}
+pub(super) struct Endless;
 
 /// Rounds from nothing up, and from bounds that hold down.
 const ROUNDS: u32 = 24;
@@ -89,8 +85,8 @@ const MOST_UNROLLED: u32 = 1 << 12;
 /// What the states of a component amount to, in the order given.
 ///
 /// # Errors
-/// Why their cycle has no bounds.
-pub(super) fn extents<'a>(component: impl Iterator<Item = Knot<'a>>) -> Result<Vec<Extent>, Trouble> {
+/// A cycle of theirs has no bounds.
+pub(super) fn extents<'a>(component: impl Iterator<Item = Knot<'a>>) -> Result<Vec<Extent>, Endless> {
     let knots: Vec<Knot<'_>> = component.collect();
     match knots.as_slice() {
         [knot] if !knot.links.iter().any(|it| matches!(it, Link::Inside(_))) => {
@@ -108,7 +104,7 @@ pub(super) fn extents<'a>(component: impl Iterator<Item = Knot<'a>>) -> Result<V
 }
 
 /// Bounds for all states of a cycle, such that what is made from them lies in them.
-fn solve(cycle: &[Knot<'_>]) -> Result<Vec<Extent>, Trouble> {
+fn solve(cycle: &[Knot<'_>]) -> Result<Vec<Extent>, Endless> {
     let step = |bounds: &[Loose]| step(cycle, bounds);
     let mut reached = vec![Loose::EMPTY; cycle.len()];
     // From nothing, a cycle that shrinks comes near its bounds in some rounds but hardly ever gets there.
@@ -116,10 +112,14 @@ fn solve(cycle: &[Knot<'_>]) -> Result<Vec<Extent>, Trouble> {
         reached = step(&reached);
     }
     if reached.iter().all(Loose::is_empty) {
-        return Err(Trouble::Hollow);
+        // Round and round, and never a primitive: what such a cycle comes to, if it shrinks, is where any point goes.
+        reached = vec![Loose::of_box(Aabb { min: DVec3::ZERO, max: DVec3::ZERO }); cycle.len()];
+        for _ in 0..ROUNDS {
+            reached = step(&reached);
+        }
     }
     let found = if shrinks(&edges(cycle), cycle.len()) {
-        fixed_point(&reached, step).ok_or(Trouble::Endless)?
+        fixed_point(&reached, step).ok_or(Endless)?
     } else {
         unrolled(cycle, &reached)?
     };
@@ -245,8 +245,8 @@ struct Path {
 }
 
 /// Bounds for a cycle that grows in one step and yet shrinks in many: a shear, say. Its steps must be known.
-fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Result<Vec<Loose>, Trouble> {
-    let mut paths = known_paths(cycle).ok_or(Trouble::Endless)?;
+fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Result<Vec<Loose>, Endless> {
+    let mut paths = known_paths(cycle).ok_or(Endless)?;
     // What there is within so many steps of each state.
     let mut near = step(cycle, &vec![Loose::EMPTY; cycle.len()]);
     let mut length = 1;
@@ -259,7 +259,7 @@ fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Result<Vec<Loose>, Trouble
             Loose::union(&all).with_room()
         };
         near = (0..cycle.len()).map(further).collect();
-        paths = doubled(&paths).ok_or(Trouble::Endless)?;
+        paths = doubled(&paths).ok_or(Endless)?;
         length *= 2;
         let of = |path: &Path| Edge { from: path.from, to: path.to, stretch: norm(&path.map.matrix3) };
         let edges: Vec<Edge> = paths.iter().map(of).collect();
@@ -267,10 +267,10 @@ fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Result<Vec<Loose>, Trouble
             let sketches: Vec<Sketch> = (0..cycle.len()).map(|it| composite(it, &near, &paths)).collect();
             let links: Vec<Link> = (0..cycle.len() as u32).map(Link::Inside).collect();
             let knots: Vec<Knot<'_>> = sketches.iter().map(|sketch| Knot { sketch, links: &links }).collect();
-            return fixed_point(reached, |it| step(&knots, it)).ok_or(Trouble::Endless);
+            return fixed_point(reached, |it| step(&knots, it)).ok_or(Endless);
         }
     }
-    Err(Trouble::Endless)
+    Err(Endless)
 }
 
 /// The ways of one step, if all are known and nothing is cut.

@@ -86,7 +86,10 @@ impl Entries {
 /// Where the nodes of an entry begin.
 pub(crate) fn roots(graph: &Graph, entry: Entry) -> Vec<NodeId> {
     match entry {
-        Entry::Select(id) => graph.select(id).rules.iter().map(|it| it.body).collect(),
+        Entry::Select(id) => {
+            let select = graph.select(id);
+            select.rules.iter().map(|it| it.body).chain(select.proxy).collect()
+        }
         Entry::System(id) => vec![graph.system(id).start],
     }
 }

@@ -90,8 +90,12 @@ impl Flow {
 
 fn fixed(node: &Node) -> Fixed {
     match node {
-        Node::Transform { kind, code, .. } => constants(code).map_or(Fixed::No, |it| Fixed::Step(Step::known(*kind, &it))),
-        Node::Primitive { kind, code, .. } => constants(code).map_or(Fixed::No, |it| Fixed::Primitive(Primitive::new(*kind, &it))),
+        Node::Transform { kind, code, .. } => {
+            constants(code).map_or(Fixed::No, |it| Fixed::Step(Step::known(*kind, &it)))
+        }
+        Node::Primitive { kind, code, .. } => {
+            constants(code).map_or(Fixed::No, |it| Fixed::Primitive(Primitive::new(*kind, &it)))
+        }
         _ => Fixed::No,
     }
 }

@@ -87,8 +87,7 @@ impl Loose {
                 }
                 // Half axes cannot be too large to hold; radii below 0 make no solid, and the other one alone does.
                 let largest: Vec<f64> = largest.into_iter().map(|it| it.max(0.0)).collect();
-                Primitive::new(kind, &largest)
-                    .map_or(Self::EMPTY, |it| Self::of_primitive(&it, &DAffine3::IDENTITY))
+                Primitive::new(kind, &largest).map_or(Self::EMPTY, |it| Self::of_primitive(&it, &DAffine3::IDENTITY))
             }
             PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => {
                 Self::of_box(Aabb { max: DVec3::new(f64::INFINITY, f64::INFINITY, 0.0), ..Aabb::ALL })
@@ -338,8 +337,7 @@ impl Loose {
             return true;
         }
         let inside = |a: &Aabb, b: &Aabb| b.is_empty() || (a.min.cmple(b.min).all() && a.max.cmpge(b.max).all());
-        let ball =
-            self.radius == f64::INFINITY || (other.center - self.center).length() + other.radius <= self.radius;
+        let ball = self.radius == f64::INFINITY || (other.center - self.center).length() + other.radius <= self.radius;
         ball && inside(&self.bounds, &other.bounds)
             && inside(&self.finite, &other.finite)
             && self.profile.contains(&other.profile)
@@ -473,11 +471,8 @@ impl Arc {
         // Whether the angle of (a, b) comes after the start and before the end.
         let after = |(sin, cos): (f64, f64)| cos * b - sin * a >= 0.0;
         let before = |(sin, cos): (f64, f64)| cos * b - sin * a <= 0.0;
-        let inside = if self.is_long {
-            after(self.start) || before(self.end)
-        } else {
-            after(self.start) && before(self.end)
-        };
+        let inside =
+            if self.is_long { after(self.start) || before(self.end) } else { after(self.start) && before(self.end) };
         if self.is_round || inside { peak } else { at(self.start).max(at(self.end)) }
     }
 }

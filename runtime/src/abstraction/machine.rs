@@ -183,13 +183,7 @@ impl AbstractMachine {
         alive
     }
 
-    fn wait(
-        &self,
-        waiting: &mut SmallVec<[Waiting; 2]>,
-        target: usize,
-        slots: &[Abstract],
-        frame: Frame,
-    ) {
+    fn wait(&self, waiting: &mut SmallVec<[Waiting; 2]>, target: usize, slots: &[Abstract], frame: Frame) {
         let registers = self.registers[frame.base..].iter().cloned().collect();
         waiting.push(Waiting { target, registers, slots: slots.to_vec() });
     }

@@ -30,6 +30,7 @@ mod value;
 mod walk;
 
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
+pub(crate) use profile::stretch;
 pub(crate) use sketch::{Count, Extent};
 pub(crate) use survey::{Scout, Survey};
 

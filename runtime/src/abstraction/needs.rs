@@ -171,6 +171,7 @@ impl<'g> Analysis<'g> {
             rule.guard.iter().chain(&rule.weight).for_each(|it| add_all(&mut slots, &self.read(it, true)));
             add_all(&mut slots, &self.nodes[rule.body.0 as usize]);
         }
+        select.proxy.iter().for_each(|it| add_all(&mut slots, &self.nodes[it.0 as usize]));
         slots
     }
 
@@ -299,7 +300,8 @@ impl<'g> Analysis<'g> {
         results.iter().for_each(|it| now.need(*it));
         now.needs.slots = stores.to_vec();
         // What is needed where something jumps to.
-        let mut targets: HashMap<u32, Before> = code.ops.iter().filter_map(Op::target).map(|it| (it, Before::default())).collect();
+        let mut targets: HashMap<u32, Before> =
+            code.ops.iter().filter_map(Op::target).map(|it| (it, Before::default())).collect();
         if let Some(end) = targets.get_mut(&(code.ops.len() as u32)) {
             *end = now.clone();
         }

@@ -163,7 +163,8 @@ impl Profile {
     pub(crate) fn of_primitive(primitive: &Primitive) -> Self {
         let ahead = |it: Plane| primitive.support(DVec3::new(it.out, 0.0, it.up));
         let aside = |it: Plane| primitive.support(DVec3::new(0.0, it.out, it.up));
-        let corners = |corners: &[Plane], it: Plane| corners.iter().map(|c| c.dot(it)).fold(f64::NEG_INFINITY, f64::max);
+        let corners =
+            |corners: &[Plane], it: Plane| corners.iter().map(|c| c.dot(it)).fold(f64::NEG_INFINITY, f64::max);
         let level = |out: f64, up: f64| Plane { out, up };
         match primitive.kind() {
             PrimitiveKind::Sphere | PrimitiveKind::Cylinder | PrimitiveKind::Cone | PrimitiveKind::Torus => {

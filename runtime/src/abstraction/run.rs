@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use super::cycles::{self, Knot, Link, Trouble};
+use super::cycles::{self, Endless, Knot, Link};
 use super::flow::{Flow, Lay};
 use super::sketch::{AbstractState, Extent};
 use super::walk::{Drawn, Walker};
@@ -43,7 +43,11 @@ pub(super) enum Outcome {
     Extent(Extent),
     /// Its cycles have no bounds: the way to one of them, the states of it, and whether it is one only because states
     /// were taken together that differ in their control slots.
-    Trouble { trouble: Trouble, way: Vec<(AbstractState, Origin)>, cycle: Vec<AbstractState>, is_wide: bool },
+    Endless {
+        way: Vec<(AbstractState, Origin)>,
+        cycle: Vec<AbstractState>,
+        is_wide: bool,
+    },
 }
 
 /// Where a state of a run leads to.
@@ -289,13 +293,13 @@ impl<'f> Run<'f> {
                 Some(Knot { sketch, links })
             })) {
                 Ok(found) => component.iter().zip(found).for_each(|(it, extent)| extents[*it as usize] = extent),
-                Err(trouble) => return self.trouble(trouble, &component),
+                Err(Endless) => return self.endless(&component),
             }
         }
         Outcome::Extent(extents[0])
     }
 
-    fn trouble(&self, trouble: Trouble, cycle: &[u32]) -> Outcome {
+    fn endless(&self, cycle: &[u32]) -> Outcome {
         let first = cycle.iter().copied().min().unwrap_or(0);
         let mut way = Vec::new();
         let mut at = Some(first);
@@ -309,7 +313,7 @@ impl<'f> Run<'f> {
         let mut numbers = cycle.to_vec();
         numbers.sort_unstable();
         let cycle = numbers.iter().map(|it| self.nodes[*it as usize].state.clone()).collect();
-        Outcome::Trouble { trouble, way, cycle, is_wide }
+        Outcome::Endless { way, cycle, is_wide }
     }
 }
 

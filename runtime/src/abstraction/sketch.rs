@@ -39,7 +39,7 @@ pub(crate) struct Sketch {
 pub(crate) struct Part {
     /// From the part's own frame to the sketch's.
     pub(crate) way: Way,
-    /// How many of it there are at most.
+    /// How many of it there are at most; 0 if it only stands for the whole from far away.
     pub(crate) copies: u64,
     pub(crate) what: What,
 }
@@ -96,7 +96,8 @@ impl Count {
 
 impl Extent {
     /// Nothing.
-    pub(crate) const EMPTY: Self = Self { loose: Loose::EMPTY, count: Count::NOTHING, inner: Count::NOTHING, height: 0 };
+    pub(crate) const EMPTY: Self =
+        Self { loose: Loose::EMPTY, count: Count::NOTHING, inner: Count::NOTHING, height: 0 };
     /// Anything.
     pub(crate) const ALL: Self = Self { loose: Loose::ALL, count: Count::ENDLESS, inner: Count::ENDLESS, height: 0 };
 }
@@ -104,8 +105,10 @@ impl Extent {
 impl Extent {
     /// Counts what something else is as well, whose bounds are taken care of elsewhere.
     fn take_in(&mut self, other: &Self, copies: u64) {
-        self.count = self.count.and(other.count, copies);
-        self.inner = self.inner.max(other.inner);
+        if copies > 0 {
+            self.count = self.count.and(other.count, copies);
+            self.inner = self.inner.max(other.inner);
+        }
         self.height = self.height.max(other.height);
     }
 }
@@ -127,8 +130,7 @@ impl Sketch {
     pub(crate) fn extent(&self, known: &impl Fn(u32) -> Extent) -> Extent {
         let mut all = Vec::with_capacity(self.parts.len() + 1);
         all.push(self.fixed);
-        let mut whole =
-            Extent { count: Count { primitives: self.primitives, states: 0 }, ..Extent::EMPTY };
+        let mut whole = Extent { count: Count { primitives: self.primitives, states: 0 }, ..Extent::EMPTY };
         for part in &self.parts {
             let extent = part.extent(known);
             all.push(extent.loose);

@@ -51,11 +51,8 @@ fn node(flows: &Analysis<'_>, node: &Node) -> Node {
 
 fn select(flows: &Analysis<'_>, select: &Select) -> Select {
     let whole = |code: &Code| shortened(code, &flows.marks_of_results(code));
-    let rule = |it: &Rule| Rule {
-        guard: it.guard.as_ref().map(whole),
-        weight: it.weight.as_ref().map(whole),
-        ..it.clone()
-    };
+    let rule =
+        |it: &Rule| Rule { guard: it.guard.as_ref().map(whole), weight: it.weight.as_ref().map(whole), ..it.clone() };
     let choice = match &select.choice {
         Choice::Function(code) => Choice::Function(whole(code)),
         other => other.clone(),

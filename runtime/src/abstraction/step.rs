@@ -120,7 +120,8 @@ pub(crate) struct Way(SmallVec<[Step; 2]>);
 impl Way {
     /// Goes on inwards through a step.
     pub(crate) fn push(&mut self, step: Step) {
-        if let (Some(Step::Known { map, stretch }), Step::Known { map: next, stretch: more }) = (self.0.last_mut(), &step)
+        if let (Some(Step::Known { map, stretch }), Step::Known { map: next, stretch: more }) =
+            (self.0.last_mut(), &step)
         {
             *map *= *next;
             // The product of all may shrink though its factors do not.

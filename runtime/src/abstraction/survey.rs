@@ -95,7 +95,7 @@ impl Survey {
                 Err(blamed.fault(Blame::Depth, &[(start, crate::form::Origin::NONE)], &[]))
             }
             Outcome::Extent(extent) => Ok(extent),
-            Outcome::Trouble { trouble, way, cycle, .. } => Err(blamed.fault(Blame::Cycle(trouble), &way, &cycle)),
+            Outcome::Endless { way, cycle, .. } => Err(blamed.fault(Blame::Cycle, &way, &cycle)),
         }
     }
 }

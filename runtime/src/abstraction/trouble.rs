@@ -1,6 +1,5 @@
 //! Cycles without bounds, as faults.
 
-use super::cycles::Trouble;
 use super::flow::Flow;
 use super::sketch::AbstractState;
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
@@ -11,7 +10,7 @@ use crate::trace::Entry;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Blame {
     /// It has no bounds.
-    Cycle(Trouble),
+    Cycle,
     /// It has none, and so far as is known it may end, but not within the limit of depth.
     Depth,
 }
@@ -33,11 +32,11 @@ impl Blamed<'_> {
             Entry::System(_) => None,
         });
         let kind = match (blame, select) {
-            (Blame::Cycle(_), Some(select)) => {
+            (Blame::Cycle, Some(select)) => {
                 FaultKind::Endless { select, module: self.flow.graph.select(select).module.clone() }
             }
             // Systems alone that call one another are told of by their depth.
-            (Blame::Cycle(_), None) | (Blame::Depth, _) => {
+            (Blame::Cycle, None) | (Blame::Depth, _) => {
                 FaultKind::Limit { limit: Limit::Depth, most: u64::from(self.depth) }
             }
         };

@@ -236,10 +236,7 @@ impl PartialEq for Abstract {
             }
             (Self::List(a), Self::List(b)) => Arc::ptr_eq(a, b) || a == b,
             (Self::Truth, Self::Truth) | (Self::Any, Self::Any) => true,
-            (
-                Self::Exact(_) | Self::Number(_) | Self::Vector(_) | Self::List(_) | Self::Truth | Self::Any,
-                _,
-            ) => false,
+            (Self::Exact(_) | Self::Number(_) | Self::Vector(_) | Self::List(_) | Self::Truth | Self::Any, _) => false,
         }
     }
 }

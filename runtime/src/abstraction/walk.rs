@@ -13,9 +13,7 @@ use super::range::Range;
 use super::sketch::{AbstractState, Part, Sketch, Successor, What};
 use super::step::{Step, Way};
 use super::value::Abstract;
-use crate::form::{
-    Call, Choice, Code, Formal, Node, NodeId, Op, Origin, Select, Slot, SystemCall, SystemId, Value,
-};
+use crate::form::{Call, Choice, Code, Formal, Node, NodeId, Op, Origin, Select, Slot, SystemCall, SystemId, Value};
 use crate::geometry::Primitive;
 use crate::trace::{Entry, State};
 
@@ -130,6 +128,11 @@ impl Walker {
                 for rule in &chosen.rules {
                     self.add(flow, &mut sketch, select.rules[*rule as usize].body, here.clone());
                 }
+                if let Some(proxy) = select.proxy {
+                    // Bounds hold for what stands for the state from far away as well, which is no part of it.
+                    here = Here { way: Way::default(), copies: 0, certain: false };
+                    self.add(flow, &mut sketch, proxy, here);
+                }
             }
         }
         sketch.fixed = sketch.fixed.with_room();
@@ -180,8 +183,10 @@ impl Walker {
             Choice::Function(code) => {
                 let number = self.machine.range(flow, code, &mut self.slots);
                 let all = 1..=select.rules.len() as u32;
-                chosen.rules =
-                    all.filter(|it| number.is_some_and(|range| range.contains(f64::from(*it)))).map(|it| it - 1).collect();
+                chosen.rules = all
+                    .filter(|it| number.is_some_and(|range| range.contains(f64::from(*it))))
+                    .map(|it| it - 1)
+                    .collect();
                 chosen.certain = number.is_some_and(|it| it.exact().is_some());
             }
         }
@@ -404,7 +409,8 @@ impl Walker {
                 slots[usize::from(formal.slot.0)] = free;
             }
         }
-        let fills = self.machine.run(flow, &system.lets, &mut slots) && self.machine.run(flow, &system.vars, &mut slots);
+        let fills =
+            self.machine.run(flow, &system.lets, &mut slots) && self.machine.run(flow, &system.vars, &mut slots);
         fills.then_some(slots)
     }
 

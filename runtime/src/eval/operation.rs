@@ -149,9 +149,7 @@ fn divide(a: &Value, b: &Value) -> Result<Value, Failure> {
         (Value::Number(_) | Value::Vector(_), Value::Number(0.0)) => {
             Err(Failure(FaultKind::NotANumber { operation: "/", operands: cloned(&[a, b]) }))
         }
-        (Value::Vector(vector), Value::Number(divisor)) => {
-            sound_vector(vector.map(|it| it / divisor), "/", &[a, b])
-        }
+        (Value::Vector(vector), Value::Number(divisor)) => sound_vector(vector.map(|it| it / divisor), "/", &[a, b]),
         _ => numbers("/", a, b, |a, b| a / b),
     }
 }

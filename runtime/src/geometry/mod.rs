@@ -3,6 +3,7 @@
 mod aabb;
 mod ball;
 mod chord;
+mod convex;
 mod eigen;
 mod flat;
 mod frustum;
@@ -16,6 +17,7 @@ mod torus;
 
 pub use aabb::Aabb;
 pub use chord::{Chord, Chords, Crossing};
+pub(crate) use convex::{Convex, FACE, Lines, Side};
 pub use intervals::{End, Interval, Intervals};
 pub use primitive::Primitive;
 pub use ray::Ray;

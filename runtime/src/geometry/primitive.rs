@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::aabb::Aabb;
 use super::ball;
 use super::chord::{Chord, Chords, Crossing};
+use super::convex::Convex;
 use super::flat::{self, HalfSpace};
 use super::frustum;
 use super::quadric::Quadric;
@@ -72,6 +73,40 @@ impl Primitive {
             _ => return None,
         };
         Some(Self { shape })
+    }
+
+    /// The primitive that this convex one is.
+    pub(super) fn of_convex(convex: &Convex) -> Self {
+        let shape = match *convex {
+            Convex::Ball => Shape::Sphere,
+            Convex::Cylinder => Shape::Cylinder,
+            Convex::Cone { r0, r1 } => Shape::Cone { r0, r1 },
+            Convex::Cube => Shape::Box,
+            Convex::Tetrahedron => Shape::Tetrahedron,
+            Convex::HalfSpace { normal, offset } => Shape::HalfSpace(HalfSpace { normal, offset }),
+            Convex::Triangle => Shape::Triangle,
+        };
+        Self { shape }
+    }
+
+    /// The convex primitive that this is in a frame of its own, and by how much
+    /// each axis is stretched on the way there; `None` if lines may meet it twice.
+    pub(crate) fn convex(&self) -> Option<(Convex, DVec3)> {
+        let convex = match self.shape {
+            // A sphere in a stretched frame.
+            Shape::Ellipsoid { axes } => return Some((Convex::Ball, axes.recip())),
+            Shape::Sphere => Convex::Ball,
+            Shape::Cylinder => Convex::Cylinder,
+            Shape::Cone { r0, r1 } => Convex::Cone { r0, r1 },
+            Shape::Box => Convex::Cube,
+            Shape::Tetrahedron => Convex::Tetrahedron,
+            Shape::Triangle => Convex::Triangle,
+            Shape::HalfSpace(HalfSpace { normal, offset }) => Convex::HalfSpace { normal, offset },
+            Shape::Hyperboloid { .. } | Shape::Paraboloid { .. } | Shape::Torus { .. } | Shape::Quadric(_) => {
+                return None;
+            }
+        };
+        Some((convex, DVec3::ONE))
     }
 
     /// Its kind.
@@ -194,6 +229,20 @@ impl Primitive {
         match self.shape {
             Shape::Triangle if from.is_none() => flat::triangle(ray),
             _ => None,
+        }
+    }
+
+    /// Whether the normal of a face is the same all over it.
+    pub(crate) fn is_flat(&self, face: u8) -> bool {
+        match self.shape {
+            Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) => true,
+            Shape::Cylinder | Shape::Cone { .. } => face != frustum::SIDE,
+            Shape::Sphere
+            | Shape::Ellipsoid { .. }
+            | Shape::Torus { .. }
+            | Shape::Hyperboloid { .. }
+            | Shape::Paraboloid { .. }
+            | Shape::Quadric(_) => false,
         }
     }
 

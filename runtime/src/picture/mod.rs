@@ -5,22 +5,23 @@
 //! Every pixel is a pure function of the scene and its own place in the whole picture: tile sizes, threads and crops change
 //! nothing.
 
-mod camera;
+pub(crate) mod camera;
 mod color;
 mod exr_header;
 mod framing;
+mod heat;
 mod job;
-mod light;
+pub(crate) mod light;
 mod pixel;
 mod sampling;
-mod shade;
+pub(crate) mod shade;
 mod tile;
 mod view;
 mod write_exr;
 mod write_png;
 
 use crate::fault::Fault;
-use crate::form::Scene;
+use crate::form::{Camera, Scene};
 use crate::trace::Tracer;
 
 pub use framing::frame;
@@ -55,11 +56,16 @@ pub struct RenderOptions {
     pub layers: bool,
     /// How many pixels a tile is wide and high. It affects the time, never the picture.
     pub tile: u32,
+    /// Whether the picture shows how much work each pixel makes ([`Tracer::work`]), along the ray through its centre, instead of
+    /// what is seen there: from black for none over red and yellow to white for the most, which [`Picture::most_work`] tells.
+    pub heatmap: bool,
+    /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end.
+    pub detail: f64,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { size: None, crop: None, samples: None, layers: false, tile: 16 }
+        Self { size: None, crop: None, samples: None, layers: false, tile: 16, heatmap: false, detail: 1.0 }
     }
 }
 
@@ -96,6 +102,8 @@ pub struct Picture {
     pub layers: Option<Layers>,
     /// How many rays it took.
     pub rays: RayCounts,
+    /// The most work that a pixel made, in a picture that shows that.
+    pub most_work: Option<u32>,
 }
 
 /// What compositors and tests ask of a picture besides its colours, row by row.
@@ -124,6 +132,14 @@ pub struct RayCounts {
     pub camera: u64,
     /// From surfaces to suns.
     pub shadow: u64,
+}
+
+/// Writes into a scene what it leaves to treegen: the camera that was found for it, and the light that it is seen in by default.
+/// Its picture stays the same.
+pub fn fill_in(scene: &mut Scene, camera: Camera) {
+    let rays = camera::Rays::new(&camera, scene.image.width, scene.image.height, 1.0);
+    let (suns, sky) = light::filled_in(scene, &rays);
+    (scene.suns, scene.sky, scene.camera) = (suns, Some(sky), Some(camera));
 }
 
 /// Makes a picture of a scene, on the threads of the rayon pool it is called in.

@@ -12,9 +12,7 @@ use super::liveness::{Live, Liveness};
 use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
 use crate::fault::{Fault, TrailStep};
-use crate::form::{
-    Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, SystemId, Value,
-};
+use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, SystemId, Value};
 use crate::geometry::Primitive;
 use crate::limits::Limits;
 
@@ -30,6 +28,11 @@ pub struct State {
 }
 
 impl State {
+    /// One of the states that have the same values on paths made up; none if nothing below draws.
+    pub(super) fn likeness(&self, which: u32) -> Option<Self> {
+        self.path.map(|_| Self { path: Some(Path::made_up(which)), ..self.clone() })
+    }
+
     /// About how many bytes it takes. Lists are shared, and counted by their places only.
     pub(super) fn bytes(&self) -> usize {
         let of = |value: &Value| if let Value::List(it) = value { size_of_val(&**it) } else { 0 };
@@ -149,6 +152,32 @@ impl<'s> Expander<'s> {
         };
         Walk::new(self, machine, env).add(&mut group, body, Here::at(route))?;
         Ok(group)
+    }
+
+    /// What the program says shall stand for a state from far away; none if it says nothing.
+    ///
+    /// # Errors
+    /// As [`Expander::expand`].
+    pub fn expand_proxy(&self, state: &State) -> Result<Option<Group>, Fault> {
+        self.expand_proxy_with(&mut self.machine(), state)
+    }
+
+    /// The same on a machine that is there already.
+    pub(super) fn expand_proxy_with(&self, machine: &mut Machine<'s>, state: &State) -> Result<Option<Group>, Fault> {
+        let Some(proxy) = self.proxy(state.entry) else {
+            return Ok(None);
+        };
+        let mut group = Group::default();
+        Walk::new(self, machine, self.env(state)).add(&mut group, proxy, Here::at(Route::START))?;
+        Ok(Some(group))
+    }
+
+    /// The node that stands for the states of an entry from far away, if the program names one.
+    pub(super) fn proxy(&self, entry: Entry) -> Option<NodeId> {
+        match entry {
+            Entry::Select(id) => self.graph.select(id).proxy,
+            Entry::System(_) => None,
+        }
     }
 
     /// What to tell about a state in the trail of a fault below it.

@@ -146,6 +146,7 @@ fn select_reads<'a>(select: &Select, functions: &[Live], at: impl Fn(NodeId) -> 
         rule.guard.iter().chain(&rule.weight).for_each(|it| live.add(&reads(it, functions).0));
         live.add(at(rule.body));
     }
+    select.proxy.iter().for_each(|it| live.add(at(*it)));
     live
 }
 

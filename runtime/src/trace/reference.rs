@@ -2,14 +2,15 @@
 //!
 //! A ray is passed from node to node. S-nodes select, C-nodes calculate, T-nodes map the ray and add their matrix to a chain, operator
 //! nodes combine the intervals that their operands give, primitives give theirs, each with the chain on which it was reached.
-//! Nothing is kept from one ray to the next, nothing is culled. It is slow, and the oracle of the fast tracer's tests.
+//! Nothing is kept from one ray to the next, nothing is culled, and every recursion is followed to its end, however wide a
+//! beam. It is slow, and the oracle of the fast tracer's tests.
 
 use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
-use super::{Fragment, RayFault, Route, Sample, Site, SurfaceRay, Tracer, walk};
+use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, walk};
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
@@ -30,7 +31,7 @@ impl<'s> Reference<'s> {
     }
 
     /// Everything on a line: t from -inf to inf.
-    fn walk(&self, ray: &Ray, from: Option<&Site>) -> Result<(Line, Vec<Surface>), Fault> {
+    fn walk(&self, ray: &Ray, from: Option<&Site>) -> Result<Walked, Fault> {
         let graph = &self.scene.graph;
         let mut walk = Walk {
             graph,
@@ -38,6 +39,7 @@ impl<'s> Reference<'s> {
             limits: &self.limits,
             from,
             surfaces: Vec::new(),
+            selected: 0,
         };
         let env = walk.machine.root(graph)?;
         let here = Here {
@@ -51,33 +53,54 @@ impl<'s> Reference<'s> {
             depth: 0,
         };
         let line = walk.pass(graph.system(graph.root()).start, here)?;
-        Ok((line, walk.surfaces))
+        Ok(Walked { line, surfaces: walk.surfaces, selected: walk.selected })
     }
 
-    fn see(&self, ray: &Ray) -> Result<Sample, Fault> {
-        let (line, surfaces) = self.walk(ray, None)?;
-        let mut sample = Sample::default();
-        if let Some((t, surface, flipped)) = line.first_after_start() {
-            sample.fragments.push(surfaces[surface as usize].fragment(ray, t, flipped));
+    fn see(&self, ray: &Ray, from: Option<&Site>) -> Result<Option<Fragment>, Fault> {
+        let Walked { line, surfaces, .. } = self.walk(ray, from)?;
+        let first = line.first_after_start();
+        Ok(first.map(|(t, surface, flipped)| surfaces[surface as usize].fragment(ray, t, flipped)))
+    }
+
+    fn see_all<'r>(
+        &self,
+        rays: impl Iterator<Item = (&'r Ray, Option<&'r Site>)>,
+        seen: &mut Seen,
+    ) -> Result<(), RayFault> {
+        seen.clear();
+        for (number, (ray, from)) in rays.enumerate() {
+            let first = self.see(ray, from).map_err(|fault| RayFault { ray: number, fault })?;
+            first.into_iter().for_each(|it| seen.push(it));
+            seen.end_ray();
         }
-        Ok(sample)
+        Ok(())
     }
 }
 
 impl Tracer for Reference<'_> {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
-        for (number, ray) in rays.iter().enumerate() {
-            samples.push(self.see(ray).map_err(|fault| RayFault { ray: number, fault })?);
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        self.see_all(beams.iter().map(|it| (&it.ray, None)), seen)
+    }
+
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        self.see_all(beams.iter().map(|it| (&it.beam.ray, Some(&it.from))), seen)
+    }
+
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        for (number, it) in beams.iter().enumerate() {
+            let walked = self.walk(&it.beam.ray, Some(&it.from));
+            let Walked { line, .. } = walked.map_err(|fault| RayFault { ray: number, fault })?;
+            light.push(if line.first_after_start().is_some() { 0.0 } else { 1.0 });
         }
         Ok(())
     }
 
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
-        blocked.clear();
-        for (number, it) in rays.iter().enumerate() {
-            let (line, _) = self.walk(&it.ray, Some(&it.from)).map_err(|fault| RayFault { ray: number, fault })?;
-            blocked.push(line.first_after_start().is_some());
+    fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
+        work.clear();
+        for (number, beam) in beams.iter().enumerate() {
+            let walked = self.walk(&beam.ray, None).map_err(|fault| RayFault { ray: number, fault })?;
+            work.push(walked.selected);
         }
         Ok(())
     }
@@ -86,6 +109,14 @@ impl Tracer for Reference<'_> {
         // What a box is does not depend on how rays are traced, and going through every copy by the book would take for ever.
         super::cells::finite_bounds(self.scene, &self.limits)
     }
+}
+
+/// What a line meets in a scene.
+struct Walked {
+    line: Line,
+    surfaces: Vec<Surface>,
+    /// How many S-nodes it went through.
+    selected: u32,
 }
 
 /// What a line meets below a node.
@@ -133,14 +164,10 @@ impl Surface {
             normal = -normal;
         }
         Fragment {
-            coverage: 1.0,
-            depth: t,
-            position: world_ray.at(t),
-            normal,
             material: self.material,
             route: self.route.hash(),
-            origin: self.origin,
             site: self.site.clone(),
+            ..Fragment::of_surface(t, world_ray.at(t), normal, self.origin)
         }
     }
 }
@@ -203,6 +230,7 @@ struct Walk<'w, 's> {
     /// The surface that the ray starts on.
     from: Option<&'w Site>,
     surfaces: Vec<Surface>,
+    selected: u32,
 }
 
 impl Walk<'_, '_> {
@@ -303,6 +331,7 @@ impl Walk<'_, '_> {
     }
 
     fn select(&mut self, select: &Select, mut here: Here) -> Result<Line, Fault> {
+        self.selected += 1;
         let chosen = self.machine.choose(self.graph, select, &mut here.env)?;
         here.step(walk::CHOICE ^ chosen as u64);
         self.pass(select.rules[chosen].body, here)

@@ -10,9 +10,9 @@ use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, Slot, Value}
 use crate::geometry::Primitive;
 
 // What tells the kinds of steps of a route apart.
-pub(super) const CHOICE: u64 = 0x1000_0000_0000_0000;
-pub(super) const COPY: u64 = 0x2000_0000_0000_0000;
-pub(super) const OPERAND: u64 = 0x3000_0000_0000_0000;
+pub(crate) const CHOICE: u64 = 0x1000_0000_0000_0000;
+pub(crate) const COPY: u64 = 0x2000_0000_0000_0000;
+pub(crate) const OPERAND: u64 = 0x3000_0000_0000_0000;
 
 /// Where a walk is.
 #[derive(Clone, Copy)]

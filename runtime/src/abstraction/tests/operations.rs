@@ -136,7 +136,11 @@ const DRAWS: [Draw; 3] = [Draw::Uniform, Draw::Gauss, Draw::Chance];
 
 fn builtin(name: Builtin, args: &[(Value, Abstract)]) -> Result<(), TestCaseError> {
     let (values, known): (Vec<Value>, Vec<Abstract>) = args.iter().cloned().unzip();
-    holds(concrete::builtin(name, &values.iter().collect::<Vec<_>>()).ok(), operation::builtin(name, &all(&known)), &format!("{name:?} {args:?}"))
+    holds(
+        concrete::builtin(name, &values.iter().collect::<Vec<_>>()).ok(),
+        operation::builtin(name, &all(&known)),
+        &format!("{name:?} {args:?}"),
+    )
 }
 
 proptest! {

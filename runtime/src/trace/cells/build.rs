@@ -2,7 +2,7 @@
 //! cell, and all is laid out.
 //!
 //! What is merged follows from the states alone. States of few primitives are always merged into the cell they are
-//! in; then the largest instances, until there are about [`ENOUGH`] members. More gains nothing: what makes cells
+//! in; then the largest instances, until there are enough members ([`Measure`]). More gains nothing: what makes cells
 //! fast is that they stay in cache.
 
 use std::cmp::Ordering;
@@ -12,21 +12,17 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3};
 
 use super::bvh::{self, Boxed, area};
-use super::cell::{Boolean, Cell, Frame, Instance, Leaf, Named, Part, Ref, Union};
+use super::cell::{Boolean, Cell, Frame, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
 use super::store::{Generation, Store, led_by};
-use super::workshop::Workshop;
+use super::workshop::{Measure, Workshop};
 use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::{Group, Route, Solid, State};
 
-/// Members of a cell's union from which on nothing more is merged into it.
-const ENOUGH: usize = 64;
-/// Members that merging never goes beyond.
-const MOST: usize = 256;
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
 /// Boxes of a Boolean's operand below which it is not worth a node.
@@ -43,12 +39,33 @@ const TOLERANCE: f64 = 1e-12;
 pub(super) fn build(store: &Store, generation: &Generation, number: u32) -> Result<Cell, Fault> {
     let mut shop = store.workshop();
     let state = shop.number_of(&generation.state(number));
-    let frame = shop.frame(state)?;
     let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
-    let mut layout = Layout { shop: &mut shop, generation, frame, cell: Cell::default() };
+    lay_out(&mut shop, generation, state, drafts)
+}
+
+/// The cell of what the program says shall stand for a state from far away, in the frame of the state's own cell; none if it
+/// says nothing.
+///
+/// # Errors
+/// As [`build`].
+pub(super) fn build_proxy(store: &Store, generation: &Generation, number: u32) -> Result<Option<Cell>, Fault> {
+    let mut shop = store.workshop();
+    let state = shop.number_of(&generation.state(number));
+    let Some(pieces) = shop.proxy_pieces(state)? else {
+        return Ok(None);
+    };
+    let mut drafts = Vec::new();
+    draft(&mut shop, &pieces, Way::START, &mut drafts)?;
+    lay_out(&mut shop, generation, state, drafts).map(Some)
+}
+
+fn lay_out(shop: &mut Workshop, generation: &Generation, state: u32, drafts: Vec<Draft>) -> Result<Cell, Fault> {
+    let frame = shop.frame(state)?;
+    let mut layout = Layout { shop, generation, frame, cell: Cell::default() };
     layout.cell.unions.push(Union::default());
-    let (union, _) = layout.union(drafts, 1)?;
+    let (union, whole) = layout.union(drafts, 1)?;
     layout.cell.unions[0] = union;
+    layout.cell.bounds = if whole.is_finite() { frame.inwards(&whole) } else { Aabb::EMPTY };
     layout.cell.levels = layout.cell.parts.iter().map(|it| it.levels).max().unwrap_or(0);
     Ok(layout.cell.shrunk())
 }
@@ -78,15 +95,14 @@ enum Outline {
 }
 
 impl Way {
-    const START: Self =
-        Self {
-            state_from_inner: DAffine3::IDENTITY,
-            material: None,
-            route: Route::START,
-            frozen: false,
-            levels: 0,
-            small: false,
-        };
+    const START: Self = Self {
+        state_from_inner: DAffine3::IDENTITY,
+        material: None,
+        route: Route::START,
+        frozen: false,
+        levels: 0,
+        small: false,
+    };
 
     fn to(self, outer_from_inner: &DAffine3, material: Option<MaterialId>, route: Route) -> Self {
         Self {
@@ -256,10 +272,11 @@ impl Ord for Candidate {
 
 impl Merge<'_, '_, '_> {
     fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
+        let Measure { enough, most, .. } = self.shop.measure(state);
         let top = self.open(state, Way::START)?;
         let mut members = top.len();
         let mut merged = 0;
-        while members < ENOUGH && merged < MOST_MERGED {
+        while members < enough && merged < MOST_MERGED {
             let Some(Candidate { slot, .. }) = self.heap.pop() else {
                 break;
             };
@@ -269,7 +286,7 @@ impl Merge<'_, '_, '_> {
             let way = self.slots[slot].draft.way;
             let before = self.slots.len();
             let range = self.open(state, way).map_err(|it| called(self.shop, state, origin, it))?;
-            if members - 1 + range.len() > MOST {
+            if members - 1 + range.len() > most {
                 self.slots.truncate(before);
                 self.heap.retain(|it| it.slot < before);
                 continue;
@@ -365,7 +382,14 @@ impl Layout<'_, '_, '_> {
         let member = Ref::new(Named::Leaf(self.cell.leaves.len() as u32));
         let part = self.part(member, way, origin);
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
-        self.cell.leaves.push(Leaf { leaf_from_cell, primitive, solid: primitive.is_solid(), part });
+        let (leaf_from_cell, shape) = match tame(&primitive, &leaf_from_cell) {
+            Some((leaf_from_cell, convex)) => (leaf_from_cell, LeafShape::Convex(convex)),
+            None => {
+                self.cell.others.push(primitive);
+                (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
+            }
+        };
+        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
         (member, primitive_bounds(&primitive, &way.state_from_inner))
     }
 
@@ -374,9 +398,11 @@ impl Layout<'_, '_, '_> {
         let part = self.part(member, way, origin);
         let inner_from_state = self.shop.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
         let inwards = Inwards::new(inner_from_state * self.frame.state_from_cell());
-        let number = self.generation.number(&self.shop.state(state));
-        self.cell.instances.push(Instance { way: inwards, state: number, part });
         let bounds = self.shop.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
+        let own = self.frame.inwards(&bounds);
+        let side = if own.is_finite() { (own.max - own.min).max_element() } else { f64::INFINITY };
+        let state = self.generation.number(&self.shop.state(state));
+        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side });
         Ok((member, bounds))
     }
 
@@ -406,6 +432,18 @@ impl Layout<'_, '_, '_> {
         self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
+}
+
+/// A primitive as a convex one, with the map to its frame, if rays of the cell have numbers there that can be squared.
+fn tame(primitive: &Primitive, leaf_from_cell: &DAffine3) -> Option<(DAffine3, Convex)> {
+    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
+    const MOST: f64 = 1e30;
+    let (convex, scale) = primitive.convex()?;
+    let map = DAffine3::from_scale(scale) * *leaf_from_cell;
+    let back = inverse(&map).matrix3;
+    let size = |it: &DMat3| [it.x_axis, it.y_axis, it.z_axis].map(|it| it.abs().max_element()).into_iter().sum::<f64>();
+    let reach = convex.reach() + map.translation.abs().max_element();
+    (size(&map.matrix3) < MOST && size(&back) < MOST && reach < MOST).then_some((map, convex))
 }
 
 /// The inverse of a map however large or small it is: its determinant alone may be out of range.

@@ -15,6 +15,8 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::build;
 use super::cell::Cell;
+use super::ending::Ending;
+use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
 use crate::abstraction::Survey;
 use crate::fault::{Fault, TrailStep};
@@ -59,6 +61,10 @@ struct Kept {
 pub(super) struct Generation {
     names: Mutex<Names>,
     cells: Chunks<OnceLock<Box<Cell>>>,
+    endings: Chunks<OnceLock<Box<Ending>>>,
+    /// The numbers of the states that look from far away as others do.
+    models: Chunks<OnceLock<u32>>,
+    looks: Arc<Looks>,
     count: AtomicU64,
     bytes: AtomicU64,
     /// From here on, rays begin in another generation.
@@ -68,6 +74,15 @@ pub(super) struct Generation {
     kept: Arc<Kept>,
     /// The one before, until there is another after this.
     before: Mutex<Option<Arc<Self>>>,
+}
+
+/// What states were measured to look like from far away. Measuring is much work, so looks outlive their generation as
+/// long as they are not too many.
+#[derive(Debug)]
+struct Looks {
+    known: Mutex<HashMap<Arc<State>, Arc<Proxy>, BuildQuickHash>>,
+    bytes: AtomicU64,
+    kept: Arc<Kept>,
 }
 
 /// The numbers of states.
@@ -98,14 +113,14 @@ impl<'s> Store<'s> {
         let root = Arc::new(expander.root()?);
         let kept = Arc::new(Kept::default());
         let threads = rayon::current_num_threads().max(1);
-        let budget = usize::try_from(limits.kept_bytes).unwrap_or(usize::MAX);
+        let budget = usize::try_from(limits.cell_bytes).unwrap_or(usize::MAX);
         Ok(Self {
             expander,
             survey: Survey::new(scene, limits),
             limits: *limits,
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
-            generation: Mutex::new(Arc::new(Generation::new(limits, &kept, &root, None))),
+            generation: Mutex::new(Arc::new(Generation::new(limits, &Arc::new(Looks::new(&kept)), &root, None))),
             root,
             kept,
             expanded: AtomicU64::new(0),
@@ -141,7 +156,12 @@ impl<'s> Store<'s> {
             // What was before this one has served.
             *lock(&current.before) = None;
             let before = Some(Arc::clone(&current));
-            *current = Arc::new(Generation::new(&self.limits, &self.kept, &self.root, before));
+            let looks = if current.looks.bytes.load(Ordering::Relaxed) < share(&self.limits) {
+                Arc::clone(&current.looks)
+            } else {
+                Arc::new(Looks::new(&self.kept))
+            };
+            *current = Arc::new(Generation::new(&self.limits, &looks, &self.root, before));
         }
         Arc::clone(&current)
     }
@@ -184,27 +204,35 @@ impl<'s> Store<'s> {
     }
 }
 
+/// A sixteenth of the budget. Five of these are for each of two generations, one for each of two tables of looks, and four
+/// for the workshops.
+fn share(limits: &Limits) -> u64 {
+    (limits.cell_bytes / 16).max(1)
+}
+
 impl Generation {
-    fn new(limits: &Limits, kept: &Arc<Kept>, root: &Arc<State>, before: Option<Arc<Self>>) -> Self {
-        // Two are there at a time, beside the workshops.
-        let most = (limits.kept_bytes / 8 * 3).max(1);
-        Self::with_room_for([most - most / 4, most], kept, root, before)
+    fn new(limits: &Limits, looks: &Arc<Looks>, root: &Arc<State>, before: Option<Arc<Self>>) -> Self {
+        let share = share(limits);
+        Self::with_room_for([4 * share, 5 * share], looks, root, before)
     }
 
     fn with_room_for(
         [enough, most]: [u64; 2],
-        kept: &Arc<Kept>,
+        looks: &Arc<Looks>,
         root: &Arc<State>,
         before: Option<Arc<Self>>,
     ) -> Self {
         let generation = Self {
             names: Mutex::default(),
             cells: Chunks::new(),
+            endings: Chunks::new(),
+            models: Chunks::new(),
+            looks: Arc::clone(looks),
             count: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
             enough: enough.max(1),
             most,
-            kept: Arc::clone(kept),
+            kept: Arc::clone(&looks.kept),
             before: Mutex::new(before),
         };
         generation.number(root);
@@ -224,7 +252,7 @@ impl Generation {
     pub(super) fn apart(&self, number: u32) -> Self {
         // Each is half as large as the one that it came out of, so all of them together are not much larger than one.
         let most = self.most / 2;
-        Self::with_room_for([most; 2], &self.kept, &self.state(number), None)
+        Self::with_room_for([most; 2], &self.looks, &self.state(number), None)
     }
 
     /// The number of a state: equal states have the same one.
@@ -251,6 +279,45 @@ impl Generation {
     #[inline(always)]
     pub(super) fn kept(&self, number: u32) -> Option<&Cell> {
         self.cells.at(number).get().map(AsRef::as_ref)
+    }
+
+    /// The state that looks from far away as this one does: where what is below draws, one that stands for all with the same
+    /// values.
+    pub(super) fn model(&self, number: u32) -> u32 {
+        *self.models.at(number).get_or_init(|| self.likeness(number, 0))
+    }
+
+    /// So many states that look from far away as this one does; one if there is no chance in it.
+    pub(super) fn likenesses(&self, number: u32, count: u32) -> Vec<u32> {
+        let count = if self.state(number).path.is_some() { count } else { 1 };
+        (0..count).map(|it| self.likeness(number, it)).collect()
+    }
+
+    fn likeness(&self, number: u32, which: u32) -> u32 {
+        let state = self.state(number);
+        match state.likeness(which) {
+            None => number,
+            Some(likeness) => self.number(&Arc::new(likeness)),
+        }
+    }
+
+    /// What stands for a state from far away, if that is known.
+    pub(super) fn ending(&self, number: u32) -> Option<&Ending> {
+        let place = self.endings.at(number);
+        if let Some(ending) = place.get() {
+            return Some(ending);
+        }
+        let looks = lock(&self.looks.known).get(&self.state(number)).map(Arc::clone)?;
+        Some(place.get_or_init(|| Box::new(Ending::Looks(looks))))
+    }
+
+    /// Keeps what stands for a state from far away.
+    pub(super) fn end(&self, number: u32, ending: Ending) -> &Ending {
+        match &ending {
+            Ending::Looks(proxy) => self.looks.keep(self.state(number), proxy),
+            Ending::Solid(_) => self.count_bytes(ending.bytes()),
+        }
+        self.endings.at(number).get_or_init(|| Box::new(ending))
     }
 
     /// Whether it has had its share of the budget, so that no more rays should begin in it.
@@ -287,6 +354,27 @@ impl Generation {
 }
 
 impl Drop for Generation {
+    fn drop(&mut self) {
+        self.kept.now.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
+}
+
+impl Looks {
+    fn new(kept: &Arc<Kept>) -> Self {
+        Self { known: Mutex::default(), bytes: AtomicU64::new(0), kept: Arc::clone(kept) }
+    }
+
+    fn keep(&self, state: Arc<State>, proxy: &Arc<Proxy>) {
+        // With its place in this table and in one by number.
+        let bytes = (state.bytes() + size_of::<Proxy>() + 12 * size_of::<usize>()) as u64;
+        if lock(&self.known).insert(state, Arc::clone(proxy)).is_none() {
+            self.bytes.fetch_add(bytes, Ordering::Relaxed);
+            self.kept.add(bytes);
+        }
+    }
+}
+
+impl Drop for Looks {
     fn drop(&mut self) {
         self.kept.now.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
     }

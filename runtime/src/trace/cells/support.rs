@@ -36,6 +36,16 @@ struct Reach {
     open: Vec<Open>,
     nested: u32,
     slack: f64,
+    of: Of,
+}
+
+/// What counts of a state.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    /// All that a ray may meet: with what the program lets stand for states from far away.
+    All,
+    /// Only what is really there.
+    Itself,
 }
 
 impl Workshop<'_, '_> {
@@ -45,16 +55,20 @@ impl Workshop<'_, '_> {
     /// # Errors
     /// What fails in expanding what is below it.
     pub(super) fn state_bounds(&mut self, state: u32, map: &DAffine3, slack: f64) -> Result<Aabb, Fault> {
+        self.bounds_of(Of::All, state, map, slack)
+    }
+
+    fn bounds_of(&mut self, of: Of, state: u32, map: &DAffine3, slack: f64) -> Result<Aabb, Fault> {
         let rows = map.matrix3.transpose();
         let (mut min, mut max) = (map.translation, map.translation);
         for (axis, row) in [rows.x_axis, rows.y_axis, rows.z_axis].into_iter().enumerate() {
-            max[axis] += self.search(Reach::new(0, slack), |reach, shop| reach.meet(shop, state, row, 0.0))?;
-            min[axis] -= self.search(Reach::new(0, slack), |reach, shop| reach.meet(shop, state, -row, 0.0))?;
+            max[axis] += self.search(Reach::new(of, slack), |reach, shop| reach.meet(shop, state, row, 0.0))?;
+            min[axis] -= self.search(Reach::new(of, slack), |reach, shop| reach.meet(shop, state, -row, 0.0))?;
         }
         Ok(box_between(min, max))
     }
 
-    /// A box around those parts of a state that are finite.
+    /// A box around those parts of a state that are finite, whatever stands for them from far away.
     ///
     /// # Errors
     /// What fails in expanding what is below it.
@@ -62,7 +76,7 @@ impl Workshop<'_, '_> {
         let bounds = self.loose(state)?.bounds;
         if bounds.is_finite() {
             let slack = 1e-4 * (bounds.max - bounds.min).max_element();
-            return self.state_bounds(state, &DAffine3::IDENTITY, slack);
+            return self.bounds_of(Of::Itself, state, &DAffine3::IDENTITY, slack);
         }
         let mut finite = Aabb::EMPTY;
         for piece in &*self.pieces(state)? {
@@ -71,7 +85,7 @@ impl Workshop<'_, '_> {
                 Shape::Instance(inner, _) if self.loose(*inner)?.bounds.is_finite() => {
                     let loose = self.loose_through(*inner, map)?.bounds;
                     let slack = 1e-4 * (loose.max - loose.min).max_element();
-                    self.state_bounds(*inner, map, slack)?
+                    self.bounds_of(Of::Itself, *inner, map, slack)?
                 }
                 _ => self.loose_of(piece)?.finite,
             };
@@ -125,6 +139,11 @@ impl Workshop<'_, '_> {
             let before = reach.open.len();
             let pieces = self.pieces(next.state)?;
             reach.add(self, &pieces, next.direction, next.offset)?;
+            if reach.of == Of::All
+                && let Some(pieces) = self.proxy_pieces_of_model(next.state)?
+            {
+                reach.add(self, &pieces, next.direction, next.offset)?;
+            }
             reach.open[before..].sort_by(|a, b| a.most.total_cmp(&b.most));
         }
         Ok(reach.best + reach.slack)
@@ -132,8 +151,8 @@ impl Workshop<'_, '_> {
 }
 
 impl Reach {
-    fn new(nested: u32, slack: f64) -> Self {
-        Self { best: f64::NEG_INFINITY, open: Vec::new(), nested, slack }
+    fn new(of: Of, slack: f64) -> Self {
+        Self { best: f64::NEG_INFINITY, open: Vec::new(), nested: 0, slack, of }
     }
 
     fn add(&mut self, shop: &mut Workshop, pieces: &[Piece], direction: DVec3, offset: f64) -> Result<(), Fault> {
@@ -176,6 +195,7 @@ impl Reach {
         if self.nested >= MOST_NESTED {
             return Ok(shop.loose_of_all(pieces)?.support(direction));
         }
-        shop.search(Reach::new(self.nested + 1, self.slack), |reach, shop| reach.add(shop, pieces, direction, 0.0))
+        let inside = Self { nested: self.nested + 1, ..Self::new(self.of, self.slack) };
+        shop.search(inside, |reach, shop| reach.add(shop, pieces, direction, 0.0))
     }
 }

@@ -22,8 +22,28 @@ use crate::form::Origin;
 use crate::quick_hash::BuildQuickHash;
 use crate::trace::{Group, State};
 
-/// Primitives of a state that is always merged, at most, and states that those are found through.
-const SMALL: Count = Count { primitives: 16, states: 32 };
+/// How far states are merged into one cell.
+#[derive(Clone, Copy)]
+pub(super) struct Measure {
+    /// Members of a cell's union from which on nothing more is merged into it.
+    pub(super) enough: usize,
+    /// Members that merging never goes beyond.
+    pub(super) most: usize,
+    /// Primitives of a state that is always merged. States that those are found through may be twice as many.
+    small: u64,
+}
+
+impl Measure {
+    /// For states that come again and again: what makes their cells fast is that rays change frames seldom, and that all of
+    /// them stay in cache.
+    const REPEATED: Self = Self { enough: 256, most: 512, small: 64 };
+    /// For states that hardly ever come again: most of the work is to expand them, and large cells hold much that no ray sees.
+    const UNIQUE: Self = Self { enough: 64, most: 256, small: 16 };
+
+    fn is_small(self, count: Count) -> bool {
+        count.primitives <= self.small && count.states <= 2 * self.small
+    }
+}
 
 /// What a workshop has at hand.
 #[derive(Debug)]
@@ -173,6 +193,31 @@ impl<'a, 's> Workshop<'a, 's> {
         Ok(pieces)
     }
 
+    /// What the program says shall stand for a state from far away; none if it says nothing.
+    ///
+    /// # Errors
+    /// What fails in expanding it.
+    pub(super) fn proxy_pieces(&mut self, number: u32) -> Result<Option<Vec<Piece>>, Fault> {
+        let store = self.store;
+        let bench = self.bench();
+        let state = Arc::clone(&bench.known[number as usize].state);
+        let group = store.expander.expand_proxy_with(&mut bench.machine, &state)?;
+        Ok(group.map(|it| Piece::of_group(&mut |it| self.number(it), it)))
+    }
+
+    /// The solid that stands for a state from far away, which is that of its model.
+    ///
+    /// # Errors
+    /// What fails in expanding it.
+    pub(super) fn proxy_pieces_of_model(&mut self, number: u32) -> Result<Option<Vec<Piece>>, Fault> {
+        let state = self.state(number);
+        if self.store.expander.proxy(state.entry).is_none() {
+            return Ok(None);
+        }
+        let model = state.likeness(0).map_or(number, |it| self.number(it));
+        self.proxy_pieces(model)
+    }
+
     fn extent(&mut self, number: u32) -> Result<&Extent, Fault> {
         let store = self.store;
         let bench = self.bench();
@@ -206,12 +251,19 @@ impl<'a, 's> Workshop<'a, 's> {
         self.extent(number).map(|it| Frame::around(&it.loose.finite))
     }
 
+    /// How far states are merged into the cell of a state.
+    pub(super) fn measure(&mut self, number: u32) -> Measure {
+        let draws = self.bench().known[number as usize].state.path.is_some();
+        if draws { Measure::UNIQUE } else { Measure::REPEATED }
+    }
+
     /// Whether a state stands for few primitives whatever it draws.
     ///
     /// # Errors
     /// As [`Workshop::loose`].
     pub(super) fn is_small(&mut self, number: u32) -> Result<bool, Fault> {
-        self.extent(number).map(|it| is_small(it.count))
+        let measure = self.measure(number);
+        self.extent(number).map(|it| measure.is_small(it.count))
     }
 
     /// Whether all states in a state are small. (Those may be more: what is known of each by itself is more.)
@@ -219,7 +271,8 @@ impl<'a, 's> Workshop<'a, 's> {
     /// # Errors
     /// As [`Workshop::loose`].
     pub(super) fn has_small_parts(&mut self, number: u32) -> Result<bool, Fault> {
-        self.extent(number).map(|it| is_small(it.inner))
+        let measure = self.measure(number);
+        self.extent(number).map(|it| measure.is_small(it.inner))
     }
 
     /// Whether no other state is likely to lead to this one: what is made of it is of use once only.
@@ -251,8 +304,4 @@ impl<'a, 's> Workshop<'a, 's> {
         let state = self.state(number);
         self.store.expander.trail_step(&state, called)
     }
-}
-
-fn is_small(count: Count) -> bool {
-    count.max(SMALL) == SMALL
 }

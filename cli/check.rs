@@ -17,8 +17,8 @@ pub fn check(arguments: Check, console: Console) -> Result<(), Failure> {
     let name = shown(&arguments.file);
     let progress = Progress::listen()?;
     supervise(&progress, Bar::new(console), move |_| {
-        compile(&arguments.file, &arguments.program, Limits::default(), console)?;
-        Ok(())
+        let limits = Limits::default();
+        compile(&arguments.file, &arguments.program, limits, console)?.follow(&limits, console)
     })?;
     console.tell(&format!("{name}: no mistakes found"));
     Ok(())

@@ -31,7 +31,10 @@ pub struct Understood {
 pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console) -> Result<Understood, Failure> {
     let files = Files::open(file)?;
     let options = Options { seed: program.seed, time: 0.0, settings: program.set.clone(), limits };
-    let Compiled { sources, scene, problems, vocabulary } = treegen_compiler::compile(files.main(), &files, &options);
+    let mut compiled = treegen_compiler::compile(files.main(), &files, &options);
+    let idle = treegen_compiler::idle_rules(&compiled);
+    compiled.problems.extend(idle);
+    let Compiled { sources, scene, problems, vocabulary } = compiled;
     let words = treegen_compiler::show(&problems, &sources, console.color);
     match scene {
         Some(scene) => {
@@ -43,6 +46,18 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
 }
 
 impl Understood {
+    /// Looks for what will fail whatever is drawn.
+    ///
+    /// # Errors
+    /// All of that.
+    pub fn follow(&self, limits: &Limits, console: Console) -> Result<(), Failure> {
+        let problems = treegen_compiler::certain_faults(&self.scene, limits, &self.vocabulary);
+        if problems.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color)))
+    }
+
     /// A fault in words.
     pub fn failure(&self, fault: &Fault, console: Console) -> Failure {
         if fault.kind == FaultKind::Interrupted {

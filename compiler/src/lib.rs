@@ -98,6 +98,32 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     Compiled { sources, scene, problems, vocabulary }
 }
 
+/// Warnings about a program that show only when it is followed: rules that never apply, whatever is drawn. Those that
+/// [`compile`] has warned of are left out.
+pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
+    let Some(scene) = &compiled.scene else {
+        return Vec::new();
+    };
+    let is_known = |span: Span| {
+        let inside = |it: Span| it.file == span.file && span.start <= it.start && it.end <= span.end;
+        compiled.problems.iter().any(|it| matches!(it.code, "W0002" | "W0003") && it.span().is_some_and(inside))
+    };
+    let mut problems = Vec::new();
+    for rule in treegen_runtime::idle_rules(scene) {
+        let span = words::fault::span(rule.origin);
+        if let Some(span) = span.filter(|it| !is_known(*it)) {
+            problems.push(words::warnings::idle_rule(&rule.module, span));
+        }
+    }
+    show::sort(&mut problems);
+    problems
+}
+
+/// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.
+pub fn certain_faults(scene: &Scene, limits: &Limits, vocabulary: &Vocabulary) -> Vec<Problem> {
+    treegen_runtime::certain_faults(scene, limits).iter().map(|it| words::fault::problem(it, vocabulary)).collect()
+}
+
 /// A fault that was met while a program ran, in words.
 pub fn problem_of_fault(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     words::fault::problem(fault, vocabulary)

@@ -3,7 +3,8 @@
 mod common;
 
 use common::Folder;
-use treegen_compiler::{Loaded, Options, compile, show};
+use treegen_compiler::{Loaded, NoFiles, Options, certain_faults, compile, idle_rules, show};
+use treegen_runtime::Limits;
 
 #[test]
 fn messages_say_what_is_wrong_and_where() {
@@ -15,5 +16,20 @@ fn messages_say_what_is_wrong_and_where() {
         assert!(!compiled.problems.is_empty(), "this case is here for its problem");
         assert_eq!(compiled.scene.is_some(), compiled.problems.iter().all(|it| !it.is_error()));
         insta::assert_snapshot!(show(&compiled.problems, &compiled.sources, false));
+    });
+}
+
+#[test]
+fn what_a_program_comes_to_is_said_before_it_is_drawn() {
+    insta::glob!("../../tests/cases/followed", "*.tg", |path| {
+        let text = std::fs::read_to_string(path).unwrap();
+        let name = path.file_name().and_then(|it| it.to_str()).unwrap().to_owned();
+        let compiled = compile(Loaded { name, text }, &NoFiles, &Options::default());
+        assert_eq!(show(&compiled.problems, &compiled.sources, false), "", "this case is for what comes after");
+        let scene = compiled.scene.as_ref().expect("the program has no mistakes");
+        let mut problems = idle_rules(&compiled);
+        problems.extend(certain_faults(scene, &Limits::default(), &compiled.vocabulary));
+        assert!(!problems.is_empty(), "this case is here for its problem");
+        insta::assert_snapshot!(show(&problems, &compiled.sources, false));
     });
 }

@@ -113,6 +113,8 @@ pub enum FaultKind {
         select: SelectId,
         /// Its module.
         module: String,
+        /// The way round, which begins and ends there.
+        cycle: Vec<TrailStep>,
     },
     /// A surface without an inside below `&` or `\`.
     Open(PrimitiveKind),

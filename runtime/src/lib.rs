@@ -18,5 +18,6 @@ pub mod picture;
 mod quick_hash;
 pub mod trace;
 
+pub use abstraction::{IdleRule, certain_faults, idle_rules};
 pub use fault::{Fault, FaultKind, Limit, TrailStep};
 pub use limits::Limits;

@@ -83,3 +83,12 @@ fn quiet_says_nothing_but_errors() {
     assert_eq!(folder.run(&["-q", "a.tg"]).ended(0).said, "");
     folder.run(&["-q", "absent.tg"]).ended(4).saying(&["absent.tg"]);
 }
+
+#[test]
+fn check_follows_the_rules_without_drawing() {
+    let endless = "csg Ring { start knot; knot -> sphere | rotz(10) knot; } scene { show Ring(); }";
+    let uncovered = "csg Row { start at(1); at(n) if n > 0 -> box | at(n - 2); } scene { show Row(); }";
+    let folder = Folder::with(&[("endless.tg", endless), ("uncovered.tg", uncovered)]);
+    folder.run(&["check", "endless.tg"]).ended(1).saying(&["E1011", "without an end"]);
+    folder.run(&["check", "uncovered.tg"]).ended(1).saying(&["E1001", "n = -1"]);
+}

@@ -2,7 +2,7 @@
 
 use treegen_grammar::{FileId, Span};
 use treegen_runtime::form::{Origin, TransformKind, Value};
-use treegen_runtime::{Fault, FaultKind, Limit};
+use treegen_runtime::{Fault, FaultKind, Limit, TrailStep};
 
 use super::constants::{number, value};
 use super::one_of;
@@ -11,6 +11,9 @@ use crate::vocabulary::Vocabulary;
 
 /// How many steps of a trail are shown at each end.
 const TRAIL_ENDS: usize = 5;
+
+/// How many calls of a cycle are shown in the text.
+const MOST_CALLS: usize = 4;
 
 /// A fault in words.
 pub(crate) fn problem(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
@@ -29,6 +32,14 @@ pub(crate) fn problem(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     if let Some(note) = advice(&fault.kind) {
         problem = problem.note(note);
     }
+    if let FaultKind::Endless { cycle, .. } = &fault.kind {
+        for step in cycle.iter().filter(|it| it.origin != fault.origin).take(MOST_CALLS) {
+            if let Some(span) = span(step.origin) {
+                problem = problem.and(span, format!("on to `{}`", step.name));
+            }
+        }
+        problem = problem.note(format!("the way round:\n  {}", steps(cycle, vocabulary)));
+    }
     match trail(fault, vocabulary) {
         Some(trail) => problem.note(trail),
         None => problem,
@@ -36,7 +47,7 @@ pub(crate) fn problem(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
 }
 
 /// The place of an origin; none for parts that come from no text.
-fn span(origin: Origin) -> Option<Span> {
+pub(crate) fn span(origin: Origin) -> Option<Span> {
     (origin != Origin::NONE).then(|| Span::new(FileId(origin.file), origin.start, origin.end))
 }
 
@@ -188,19 +199,23 @@ fn trail(fault: &Fault, vocabulary: &Vocabulary) -> Option<String> {
     if fault.trail.is_empty() {
         return None;
     }
-    let step = |it: &treegen_runtime::TrailStep| {
+    Some(format!("the way there:\n  {}", steps(&fault.trail, vocabulary)))
+}
+
+/// Steps one below the other; of many only both ends.
+fn steps(steps: &[TrailStep], vocabulary: &Vocabulary) -> String {
+    let step = |it: &TrailStep| {
         let values = named(&it.values, vocabulary);
         if values.is_empty() { it.name.clone() } else { format!("{} with {values}", it.name) }
     };
-    let steps: Vec<String> = fault.trail.iter().map(step).collect();
-    let shown = if steps.len() <= 2 * TRAIL_ENDS {
+    let steps: Vec<String> = steps.iter().map(step).collect();
+    if steps.len() <= 2 * TRAIL_ENDS {
         steps.join("\n  ")
     } else {
         let hidden = steps.len() - 2 * TRAIL_ENDS;
         let (first, last) = (&steps[..TRAIL_ENDS], &steps[steps.len() - TRAIL_ENDS..]);
         format!("{}\n  ... {hidden} more ...\n  {}", first.join("\n  "), last.join("\n  "))
-    };
-    Some(format!("the way there:\n  {shown}"))
+    }
 }
 
 /// `c = 3, f = 0.5`

@@ -22,6 +22,12 @@ pub(crate) fn unselected_rule(module: &str, span: Span, select: Span) -> Problem
         .and(select, "the selection function names others only")
 }
 
+/// A rule that is not chosen with any values that come to its module.
+pub(crate) fn idle_rule(module: &str, span: Span) -> Problem {
+    Problem::warning("W0005", format!("this rule of `{module}` never applies"), span, "never chosen")
+        .note(format!("`{module}` never has values that choose it, whatever is drawn and whatever the formals are"))
+}
+
 /// A guard that never holds.
 pub(crate) fn guard_never_holds(span: Span) -> Problem {
     Problem::warning("W0003", "this guard never holds", span, "always false")

@@ -124,22 +124,6 @@ impl Canon {
         self.blame(flow).fault(Blame::Depth, &way, &[])
     }
 
-    /// All states that one leads to, itself first, by what is kept of them. It is an error if they are too many, or one
-    /// of them is known to have too many.
-    pub(crate) fn states_below(
-        &mut self,
-        flow: &Flow,
-        state: AbstractState,
-    ) -> Option<Vec<(Arc<AbstractState>, Extent)>> {
-        let number = self.number(state);
-        let found = self.search(flow, number)?;
-        let of = |it: &(u32, u32, Origin)| {
-            let node = &self.nodes[it.0 as usize];
-            Some((Arc::clone(&node.state), node.extent?))
-        };
-        found.iter().map(of).collect()
-    }
-
     fn number(&mut self, state: AbstractState) -> u32 {
         if let Some(number) = self.numbers.get(&state) {
             return *number;
@@ -267,15 +251,28 @@ impl Canon {
                 }
                 Ok(())
             }
-            Err(Endless) => {
-                let way = self.way(found, *component.iter().min().unwrap_or(&0));
-                let mut places = component.to_vec();
-                places.sort_unstable();
-                let state = |it: &u32| AbstractState::clone(&self.nodes[found[*it as usize].0 as usize].state);
-                let cycle: Vec<AbstractState> = places.iter().map(state).collect();
-                Err(self.blame(flow).fault(Blame::Cycle, &way, &cycle))
+            Err(Endless { circle }) => {
+                let circle: Vec<u32> = circle.iter().map(|it| component[*it]).collect();
+                Err(self.endless(flow, found, circle))
             }
         }
+    }
+
+    /// The fault of a circle of states that a search found, in order.
+    fn endless(&self, flow: &Flow, found: &Found, mut circle: Vec<u32>) -> Fault {
+        let first = (0..circle.len()).min_by_key(|it| circle[*it]).unwrap_or(0);
+        circle.rotate_left(first);
+        let way = self.way(found, circle.first().copied().unwrap_or(0));
+        let number = |place: u32| found[place as usize].0;
+        let mut before = circle.last().copied().unwrap_or(0);
+        let mut cycle = Vec::with_capacity(circle.len());
+        for place in circle {
+            let next = self.nodes[number(before) as usize].next.as_deref().unwrap_or_default();
+            let called = next.iter().find(|it| it.0 == number(place)).map_or(Origin::NONE, |it| it.1);
+            cycle.push((AbstractState::clone(&self.nodes[number(place) as usize].state), called));
+            before = place;
+        }
+        self.blame(flow).fault(Blame::Cycle, &way, &cycle)
     }
 
     /// The states on the way to one that a search found.

@@ -5,6 +5,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::circle::{self, Edge, all_shrink, one_that_keeps_size};
 use super::loose::Loose;
 use super::profile::stretch;
 use super::sketch::{Count, Extent, Part, Sketch, What};
@@ -61,6 +62,7 @@ pub(super) struct Knot<'a> {
 
 /// Where a state of a cycle leads.
 #[derive(Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "they live for one solution, and are mostly of the large kind")]
 pub(super) enum Link {
     /// To the state of this number in the cycle.
     Inside(u32),
@@ -69,8 +71,11 @@ pub(super) enum Link {
 }
 
 /// That a cycle has no bounds: it does not shrink, or may not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Endless;
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Endless {
+    /// A way round on which nothing gets smaller: the numbers of its states in the cycle, in order.
+    pub(super) circle: Vec<usize>,
+}
 
 /// Rounds from nothing up, and from bounds that hold down.
 const ROUNDS: u32 = 24;
@@ -118,15 +123,22 @@ fn solve(cycle: &[Knot<'_>]) -> Result<Vec<Extent>, Endless> {
             reached = step(&reached);
         }
     }
-    let found = if shrinks(&edges(cycle), cycle.len()) {
-        fixed_point(&reached, step).ok_or(Endless)?
-    } else {
-        unrolled(cycle, &reached)?
+    let edges = edges(cycle);
+    let found = match one_that_keeps_size(&edges, cycle.len()) {
+        None => fixed_point(&reached, step),
+        Some(_) => unrolled(cycle, &reached),
     };
+    let found = found.ok_or_else(|| endless(&edges, cycle.len()))?;
     let links = cycle.iter().flat_map(|it| it.links);
     let outside = links.filter_map(|it| if let Link::Outside(extent) = it { Some(extent.height) } else { None });
     let height = outside.max().unwrap_or(0).saturating_add(1);
     Ok(found.into_iter().map(|loose| Extent { loose, height, ..Extent::ALL }).collect())
+}
+
+/// What to say of a cycle without bounds.
+fn endless(edges: &[Edge], count: usize) -> Endless {
+    let any = || edges.first().map(|it| circle::through(edges, count, it));
+    Endless { circle: one_that_keeps_size(edges, count).or_else(any).unwrap_or_default() }
 }
 
 /// What a round through a cycle makes of bounds.
@@ -164,14 +176,6 @@ fn fixed_point(reached: &[Loose], step: impl Fn(&[Loose]) -> Vec<Loose>) -> Opti
     None
 }
 
-/// A way from one state of a cycle to another.
-#[derive(Clone, Copy)]
-struct Edge {
-    from: usize,
-    to: usize,
-    stretch: f64,
-}
-
 fn edges(cycle: &[Knot<'_>]) -> Vec<Edge> {
     let mut edges = Vec::new();
     for (from, knot) in cycle.iter().enumerate() {
@@ -184,58 +188,6 @@ fn edges(cycle: &[Knot<'_>]) -> Vec<Edge> {
     edges
 }
 
-/// Whether every way round makes things smaller.
-fn shrinks(edges: &[Edge], count: usize) -> bool {
-    if edges.iter().any(|it| it.stretch.is_nan() || it.stretch == f64::INFINITY) {
-        return false;
-    }
-    // The greatest sum of logarithms on a way to each state. If they go on growing, some way round grows.
-    let mut sums = vec![0.0_f64; count];
-    let steps: Vec<(usize, usize, f64)> = edges.iter().map(|it| (it.from, it.to, libm::log(it.stretch))).collect();
-    let mut rounds = 0;
-    loop {
-        let mut grown = false;
-        for (from, to, log) in &steps {
-            let sum = sums[*from] + log;
-            if sum > sums[*to] {
-                sums[*to] = sum;
-                grown = true;
-            }
-        }
-        rounds += 1;
-        if !grown {
-            break;
-        }
-        if rounds > count {
-            return false;
-        }
-    }
-    // A way round along which nothing is lost keeps its size.
-    let tight: Vec<(usize, usize)> =
-        steps.iter().filter(|it| sums[it.0] + it.2 >= sums[it.1]).map(|it| (it.0, it.1)).collect();
-    !has_circle(&tight, count)
-}
-
-/// Whether some edges lead round.
-fn has_circle(edges: &[(usize, usize)], count: usize) -> bool {
-    let mut into = vec![0_usize; count];
-    edges.iter().for_each(|it| into[it.1] += 1);
-    let mut out: Vec<Vec<usize>> = vec![Vec::new(); count];
-    edges.iter().for_each(|it| out[it.0].push(it.1));
-    let mut free: Vec<usize> = (0..count).filter(|it| into[*it] == 0).collect();
-    let mut left = count;
-    while let Some(node) = free.pop() {
-        left -= 1;
-        for to in &out[node] {
-            into[*to] -= 1;
-            if into[*to] == 0 {
-                free.push(*to);
-            }
-        }
-    }
-    left > 0
-}
-
 /// A way through a cycle of some steps.
 #[derive(Clone, Copy)]
 struct Path {
@@ -245,8 +197,8 @@ struct Path {
 }
 
 /// Bounds for a cycle that grows in one step and yet shrinks in many: a shear, say. Its steps must be known.
-fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Result<Vec<Loose>, Endless> {
-    let mut paths = known_paths(cycle).ok_or(Endless)?;
+fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Option<Vec<Loose>> {
+    let mut paths = known_paths(cycle)?;
     // What there is within so many steps of each state.
     let mut near = step(cycle, &vec![Loose::EMPTY; cycle.len()]);
     let mut length = 1;
@@ -259,18 +211,18 @@ fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Result<Vec<Loose>, Endless
             Loose::union(&all).with_room()
         };
         near = (0..cycle.len()).map(further).collect();
-        paths = doubled(&paths).ok_or(Endless)?;
+        paths = doubled(&paths)?;
         length *= 2;
         let of = |path: &Path| Edge { from: path.from, to: path.to, stretch: norm(&path.map.matrix3) };
         let edges: Vec<Edge> = paths.iter().map(of).collect();
-        if shrinks(&edges, cycle.len()) {
+        if all_shrink(&edges, cycle.len()) {
             let sketches: Vec<Sketch> = (0..cycle.len()).map(|it| composite(it, &near, &paths)).collect();
             let links: Vec<Link> = (0..cycle.len() as u32).map(Link::Inside).collect();
             let knots: Vec<Knot<'_>> = sketches.iter().map(|sketch| Knot { sketch, links: &links }).collect();
-            return fixed_point(reached, |it| step(&knots, it)).ok_or(Endless);
+            return fixed_point(reached, |it| step(&knots, it));
         }
     }
-    Err(Endless)
+    None
 }
 
 /// The ways of one step, if all are known and nothing is cut.

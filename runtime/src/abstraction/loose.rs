@@ -227,8 +227,8 @@ impl Loose {
             }
             let ends = |row: &[Range; 4]| {
                 let mut sum = (row[3].low(), row[3].high());
-                for axis in 0..3 {
-                    let (low, high) = times((it.min[axis], it.max[axis]), row[axis]);
+                for (axis, factor) in row[..3].iter().enumerate() {
+                    let (low, high) = times((it.min[axis], it.max[axis]), *factor);
                     sum = (sum.0 + low, sum.1 + high);
                 }
                 sum

@@ -8,11 +8,14 @@
 //! - [`flow`]: which slots matter, and which of them decide what is chosen.
 //! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones.
 //! - [`loose`], [`profile`]: bounds that need only be valid.
-//! - [`cycles`], [`run`], [`canon`]: what all states below one amount to.
+//! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
+//! - [`findings`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod canon;
+mod circle;
 mod cycles;
 mod entries;
+mod findings;
 mod flow;
 mod loose;
 mod machine;
@@ -29,6 +32,7 @@ mod trouble;
 mod value;
 mod walk;
 
+pub use findings::{IdleRule, certain_faults, idle_rules};
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
 pub(crate) use profile::stretch;
 pub(crate) use sketch::{Count, Extent};

@@ -174,7 +174,7 @@ impl Range {
             return self.corners(other, libm::pow);
         }
         match other.exact() {
-            Some(exponent) if exponent == 0.0 => Some(Self::at(1.0)),
+            Some(0.0) => Some(Self::at(1.0)),
             Some(exponent) if exponent > 0.0 && exponent.fract() == 0.0 && exponent <= LARGEST_WHOLE => {
                 let ends = self.corners(other, libm::pow)?;
                 // Even powers turn at 0, odd ones only rise.

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use super::cycles::{self, Endless, Knot, Link};
 use super::flow::{Flow, Lay};
 use super::sketch::{AbstractState, Extent};
-use super::walk::{Drawn, Walker};
+use super::walk::{Chosen, Drawn, Walker};
 use crate::fault::Fault;
 use crate::form::Origin;
 use crate::trace::Entry;
@@ -23,6 +23,7 @@ const PATIENCE: u32 = 3;
 const MOST_DRAWN: u32 = 4096;
 
 /// What a run does with a state that a state leads to.
+#[expect(clippy::large_enum_variant, reason = "there is one at a time")]
 pub(super) enum Meeting {
     /// It is known what that amounts to.
     Known(Extent),
@@ -39,19 +40,31 @@ pub(super) enum Rest {
 }
 
 /// What a run came to.
+#[expect(clippy::large_enum_variant, reason = "there is one at a time")]
 pub(super) enum Outcome {
     Extent(Extent),
-    /// Its cycles have no bounds: the way to one of them, the states of it, and whether it is one only because states
-    /// were taken together that differ in their control slots.
+    /// Its cycles have no bounds: the way to one of them, the states of it in order, all with the places of their calls, and
+    /// whether it is one only because states were taken together that differ in their control slots.
     Endless {
         way: Vec<(AbstractState, Origin)>,
-        cycle: Vec<AbstractState>,
+        cycle: Vec<(AbstractState, Origin)>,
         is_wide: bool,
     },
 }
 
+/// A state that a run has met.
+pub(super) struct Met {
+    /// The way to it, itself last, with the places of the calls.
+    pub(super) way: Vec<(AbstractState, Origin)>,
+    /// What may be chosen there.
+    pub(super) chosen: Chosen,
+    /// Whether the run's first state leads to it whatever the draws.
+    pub(super) certain: bool,
+}
+
 /// Where a state of a run leads to.
 #[derive(Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "they live for one run, and are mostly of the large kind")]
 enum Target {
     Node(u32),
     Known(Extent),
@@ -61,6 +74,8 @@ struct Node {
     state: AbstractState,
     drawn: Option<Drawn>,
     targets: Vec<Target>,
+    /// Of each target the place of the call, and whether the state leads to it whatever the draws.
+    calls: Vec<(Origin, bool)>,
     waits: bool,
     kind: Kind,
     changes: u32,
@@ -116,34 +131,87 @@ impl<'f> Run<'f> {
     pub(super) fn finish(
         mut self,
         walker: &mut Walker,
-        mut meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
+        meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
     ) -> Result<Outcome, Fault> {
-        let mut drawn = 0;
+        Ok(if self.go(walker, meet)? { self.solve() } else { Outcome::Extent(Extent::ALL) })
+    }
+
+    /// Runs on from the state it begins at, and gives all that was met; none if it is too much.
+    pub(super) fn explore(mut self, walker: &mut Walker) -> Option<Vec<Met>> {
+        let is_known = self.go(walker, |state, _| Ok(Meeting::Own(state))).unwrap_or(false);
+        is_known.then(|| self.all_met())
+    }
+
+    /// Looks at all states; whether they are not too many.
+    fn go(
+        &mut self,
+        walker: &mut Walker,
+        mut meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
+    ) -> Result<bool, Fault> {
+        let mut looked_at = 0;
         while let Some(number) = self.ahead.pop_front() {
             let node = &mut self.nodes[number as usize];
             node.waits = false;
             if matches!(node.kind, Kind::Replaced(_)) {
                 continue;
             }
-            drawn += 1;
-            if drawn > MOST_DRAWN {
-                return Ok(Outcome::Extent(Extent::ALL));
+            looked_at += 1;
+            if looked_at > MOST_DRAWN {
+                return Ok(false);
             }
             let state = node.state.clone();
             let mut drawn = walker.draw(self.flow, &state);
             let mut targets = Vec::with_capacity(drawn.successors.len());
+            let mut calls = Vec::with_capacity(drawn.successors.len());
             for successor in drawn.successors.drain(..) {
                 let is_full = matches!(self.rest, Rest::Elsewhere) && self.is_full(&successor.state);
                 targets.push(match meet(successor.state, is_full)? {
                     Meeting::Known(extent) => Target::Known(extent),
                     Meeting::Own(state) => Target::Node(self.reach(state, number, successor.called)),
                 });
+                calls.push((successor.called, successor.certain));
             }
             let node = &mut self.nodes[number as usize];
-            node.drawn = Some(drawn);
-            node.targets = targets;
+            (node.drawn, node.targets, node.calls) = (Some(drawn), targets, calls);
         }
-        Ok(self.solve())
+        Ok(true)
+    }
+
+    /// All states, and whether the first leads to each whatever the draws.
+    fn all_met(&self) -> Vec<Met> {
+        let mut certain = vec![false; self.nodes.len()];
+        let mut ahead = vec![0];
+        while let Some(number) = ahead.pop() {
+            if std::mem::replace(&mut certain[number as usize], true) {
+                continue;
+            }
+            let node = &self.nodes[number as usize];
+            for (target, _) in node.targets.iter().zip(&node.calls).filter(|it| it.1.1) {
+                if let Target::Node(inner) = target {
+                    ahead.push(self.now(*inner));
+                }
+            }
+        }
+        let numbers = (0..self.nodes.len() as u32).filter(|it| self.now(*it) == *it);
+        let met = |number: u32| {
+            let node = &self.nodes[number as usize];
+            let chosen = node.drawn.as_ref().map(|it| it.chosen.clone()).unwrap_or_default();
+            Met { way: self.way(number), chosen, certain: certain[number as usize] }
+        };
+        numbers.map(met).collect()
+    }
+
+    /// The way to a node as it was first met.
+    fn way(&self, number: u32) -> Vec<(AbstractState, Origin)> {
+        let mut way = Vec::new();
+        let mut at = Some(number);
+        while let Some(number) = at {
+            let node = &self.nodes[number as usize];
+            way.push((node.state.clone(), node.called));
+            at = node.from.filter(|it| *it != number);
+        }
+        way.reverse();
+        way
     }
 
     fn lay(&self, entry: Entry) -> &'f Lay {
@@ -161,8 +229,8 @@ impl<'f> Run<'f> {
             self.places.len() - 1
         });
         self.places[place].nodes.push(number);
-        let (drawn, targets) = (None, Vec::new());
-        self.nodes.push(Node { state, drawn, targets, waits: true, kind, changes: 0, from, called });
+        let (drawn, targets, calls) = (None, Vec::new(), Vec::new());
+        self.nodes.push(Node { state, drawn, targets, calls, waits: true, kind, changes: 0, from, called });
         self.ahead.push_back(number);
         number
     }
@@ -293,26 +361,27 @@ impl<'f> Run<'f> {
                 Some(Knot { sketch, links })
             })) {
                 Ok(found) => component.iter().zip(found).for_each(|(it, extent)| extents[*it as usize] = extent),
-                Err(Endless) => return self.endless(&component),
+                Err(Endless { circle }) => return self.endless(circle.iter().map(|it| component[*it]).collect()),
             }
         }
         Outcome::Extent(extents[0])
     }
 
-    fn endless(&self, cycle: &[u32]) -> Outcome {
-        let first = cycle.iter().copied().min().unwrap_or(0);
-        let mut way = Vec::new();
-        let mut at = Some(first);
-        while let Some(number) = at {
-            let node = &self.nodes[number as usize];
-            way.push((node.state.clone(), node.called));
-            at = node.from.filter(|it| *it != number);
+    /// What to say of a circle of nodes, in order.
+    fn endless(&self, mut circle: Vec<u32>) -> Outcome {
+        let first = (0..circle.len()).min_by_key(|it| circle[*it]).unwrap_or(0);
+        circle.rotate_left(first);
+        let way = self.way(circle.first().copied().unwrap_or(0));
+        let is_wide = circle.iter().any(|it| self.nodes[*it as usize].kind == Kind::Wide);
+        let mut before = circle.last().copied().unwrap_or(0);
+        let mut cycle = Vec::with_capacity(circle.len());
+        for number in circle {
+            let node = &self.nodes[before as usize];
+            let leads = |it: &Target| matches!(it, Target::Node(inner) if self.now(*inner) == number);
+            let called = node.targets.iter().position(leads).map_or(Origin::NONE, |it| node.calls[it].0);
+            cycle.push((self.nodes[number as usize].state.clone(), called));
+            before = number;
         }
-        way.reverse();
-        let is_wide = cycle.iter().any(|it| self.nodes[*it as usize].kind == Kind::Wide);
-        let mut numbers = cycle.to_vec();
-        numbers.sort_unstable();
-        let cycle = numbers.iter().map(|it| self.nodes[*it as usize].state.clone()).collect();
         Outcome::Endless { way, cycle, is_wide }
     }
 }

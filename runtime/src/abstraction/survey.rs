@@ -47,6 +47,11 @@ impl Survey {
         Self { flow: Flow::of(scene), depth: limits.depth, canon: Mutex::new(Canon::new(limits)) }
     }
 
+    /// The scene, as abstract states see it.
+    pub(super) fn flow(&self) -> &Flow {
+        &self.flow
+    }
+
     /// Whether no two states of this kind are likely to amount to the same: they draw, or carry data.
     pub(crate) fn is_rare(&self, state: &State) -> bool {
         state.path.is_some() || self.flow.at(state.entry).slots.iter().any(|it| !it.1)

@@ -3,8 +3,11 @@
 use super::flow::Flow;
 use super::sketch::AbstractState;
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Origin, Value};
+use crate::form::{Origin, Select, Value};
 use crate::trace::Entry;
+
+/// States that lead one to the next, each with the place of the call to it.
+pub(super) type Led = [(AbstractState, Origin)];
 
 /// What is wrong with a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -24,25 +27,41 @@ pub(super) struct Blamed<'a> {
 }
 
 impl Blamed<'_> {
-    /// The fault of a cycle and the way that led to it, which ends with its first state.
-    pub(super) fn fault(&self, blame: Blame, way: &[(AbstractState, Origin)], cycle: &[AbstractState]) -> Fault {
+    /// The fault of a cycle, each state with the place of the call to it, and the way that led there, which ends with its
+    /// first state.
+    pub(super) fn fault(&self, blame: Blame, way: &Led, cycle: &Led) -> Fault {
         let called = way.last().map_or(Origin::NONE, |it| it.1);
-        let select = cycle.iter().find_map(|it| match it.entry {
+        let select = cycle.iter().find_map(|it| match it.0.entry {
             Entry::Select(id) => Some(id),
             Entry::System(_) => None,
         });
         let kind = match (blame, select) {
             (Blame::Cycle, Some(select)) => {
-                FaultKind::Endless { select, module: self.flow.graph.select(select).module.clone() }
+                let module = self.flow.graph.select(select).module.clone();
+                FaultKind::Endless { select, module, cycle: self.steps(cycle) }
             }
             // Systems alone that call one another are told of by their depth.
             (Blame::Cycle, None) | (Blame::Depth, _) => {
                 FaultKind::Limit { limit: Limit::Depth, most: u64::from(self.depth) }
             }
         };
-        let steps = way.iter().map(|(state, called)| step(self.flow, state, *called));
-        steps.rev().fold(Fault::new(kind, called), Fault::reached_through)
+        led_by(Fault::new(kind, called), self.steps(way))
     }
+
+    /// The fault of a state to which no rule applies, and the way that led to it.
+    pub(super) fn no_rule(&self, select: &Select, way: &Led) -> Fault {
+        let values = way.last().map_or(Vec::new(), |it| values(self.flow, &it.0));
+        let kind = FaultKind::NoRule { module: select.module.clone(), values };
+        led_by(Fault::new(kind, select.origin), self.steps(way))
+    }
+
+    fn steps(&self, way: &Led) -> Vec<TrailStep> {
+        way.iter().map(|(state, called)| step(self.flow, state, *called)).collect()
+    }
+}
+
+fn led_by(fault: Fault, steps: Vec<TrailStep>) -> Fault {
+    steps.into_iter().rev().fold(fault, Fault::reached_through)
 }
 
 /// An abstract state as a step of a trail, with those of its values that are known.
@@ -55,7 +74,7 @@ fn step(flow: &Flow, state: &AbstractState, origin: Origin) -> TrailStep {
 }
 
 /// The parameters of a state's module, with those of their values that are known.
-pub(super) fn values(flow: &Flow, state: &AbstractState) -> Vec<(String, Value)> {
+fn values(flow: &Flow, state: &AbstractState) -> Vec<(String, Value)> {
     let Entry::Select(id) = state.entry else { return Vec::new() };
     let select = flow.graph.select(id);
     let names = &flow.graph.system(select.system).slots;

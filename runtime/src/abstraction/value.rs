@@ -204,6 +204,7 @@ impl Abstract {
     }
 
     /// Whether it may be this value.
+    #[cfg(test)]
     pub(crate) fn contains(&self, value: &Value) -> bool {
         match (self, value) {
             (Self::Any, _) | (Self::Truth, Value::Bool(_)) => true,

@@ -12,7 +12,7 @@ use super::liveness::{Live, Liveness};
 use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
 use crate::fault::{Fault, TrailStep};
-use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, SystemId, Value};
+use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, Slot, SystemId, Value};
 use crate::geometry::Primitive;
 use crate::limits::Limits;
 
@@ -196,6 +196,11 @@ impl<'s> Expander<'s> {
     /// What a node is if it is the same everywhere.
     pub(super) fn fixed(&self, node: NodeId) -> &Fixed {
         &self.fixed[node.0 as usize]
+    }
+
+    /// The slots that states of an entry have values of.
+    pub(crate) fn live_slots(&self, entry: Entry) -> &[Slot] {
+        &self.live(entry).slots
     }
 
     /// What states of an entry know.

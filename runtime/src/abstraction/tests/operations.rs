@@ -93,6 +93,7 @@ fn all(values: &[Abstract]) -> Vec<&Abstract> {
 }
 
 /// Looks whether a result that there is lies in what is known of it.
+#[expect(clippy::needless_pass_by_value, reason = "it is given what operations give")]
 fn holds(result: Option<Value>, known: Option<Abstract>, what: &str) -> Result<(), TestCaseError> {
     let Some(value) = result else { return Ok(()) };
     let lies = known.as_ref().is_some_and(|it| it.contains(&value));
@@ -181,9 +182,7 @@ proptest! {
         for number in 0..4 {
             holds(concrete::part(&a.0, number).ok(), operation::part(&a.1, number), &format!("part {number} of {a:?}"))?;
         }
-        for (values, known) in [(vec![a.0.clone()], vec![a.1.clone()])] {
-            holds(concrete::noise(7, &values.iter().collect::<Vec<_>>()).ok(), operation::noise(7, &all(&known)), &format!("noise of {a:?}"))?;
-        }
+        holds(concrete::noise(7, &[&a.0]).ok(), operation::noise(7, &[&a.1]), &format!("noise of {a:?}"))?;
     }
 
     #[test]

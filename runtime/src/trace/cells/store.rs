@@ -38,6 +38,7 @@ pub(super) struct Store<'s> {
     pub(super) survey: Survey,
     pub(super) limits: Limits,
     /// Workshops that nobody is in.
+    #[expect(clippy::vec_box, reason = "they come and go, and are large")]
     pub(super) benches: Mutex<Vec<Box<Bench<'s>>>>,
     /// Bytes that each may keep.
     pub(super) bench_bytes: usize,

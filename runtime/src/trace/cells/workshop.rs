@@ -223,7 +223,7 @@ impl<'a, 's> Workshop<'a, 's> {
         let bench = self.bench();
         let known = &mut bench.known[number as usize];
         if known.extent.is_none() {
-            let live = &store.expander.live(known.state.entry).slots;
+            let live = store.expander.live_slots(known.state.entry);
             known.extent = Some(Box::new(store.survey.extent(&mut bench.scout, &known.state, live)?));
             bench.bytes += size_of::<Extent>();
         }

@@ -12,11 +12,14 @@ use treegen_runtime::trace::cells::Culling as CullingMode;
 use crate::console::{self, Color, Console, shown, shown_text};
 use crate::exit::Exit;
 use crate::inspect::Inspect;
+use crate::measure::MeasureFormat;
 
 /// More threads than any machine it is made for has; each takes 256 MiB of address space.
 const MAX_THREADS: i64 = 256;
 
 const MAX_SAMPLES: i64 = 4096;
+
+const MAX_SEEDS: i64 = 10_000;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -27,6 +30,7 @@ Examples:
   treegen - -o - < sierpinski.tg | display           from a pipe into a pipe
   treegen check sierpinski.tg                        only look for mistakes
   treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
+  treegen measure sierpinski.tg                      how many primitives it has, how deep, how large
 
 Exit codes:
   0  done: the picture is written whole
@@ -62,7 +66,7 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE --expand";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE --expand\n       treegen measure [OPTIONS] FILE";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
@@ -71,6 +75,8 @@ pub enum Command {
     Check(Check),
     /// Show what a program stands for
     Inspect(Inspect),
+    /// Say what a program comes to, without expanding it: how many primitives, how deep, how large
+    Measure(Measure),
 }
 
 /// `treegen check FILE`.
@@ -79,6 +85,24 @@ pub struct Check {
     /// The program; `-` reads it from standard input
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// What its parameters are.
+    #[command(flatten)]
+    pub program: Program,
+}
+
+/// `treegen measure FILE`.
+#[derive(Debug, Args)]
+pub struct Measure {
+    /// The program; `-` reads it from standard input
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Where draws decide how much there is: how many seeds to look at, from --seed on
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SEEDS), default_value_t = 32)]
+    #[arg(help_heading = "What")]
+    pub seeds: u32,
+    /// How the answers are written
+    #[arg(long, value_name = "FORMAT", default_value = "text", help_heading = "Output")]
+    pub format: MeasureFormat,
     /// What its parameters are.
     #[command(flatten)]
     pub program: Program,
@@ -211,6 +235,7 @@ fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     let program = match &cli.command {
         Some(Command::Check(check)) => &check.program,
         Some(Command::Inspect(inspect)) => &inspect.program,
+        Some(Command::Measure(measure)) => &measure.program,
         None => &cli.render.program,
     };
     let mut names: Vec<&str> = program.set.iter().map(|it| it.name.as_str()).collect();

@@ -11,6 +11,7 @@ mod exit;
 mod files;
 mod inspect;
 mod inspect_expand;
+mod measure;
 mod output;
 mod progress;
 mod render;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
+        Some(Command::Measure(arguments)) => measure::measure(arguments, console),
         None => render::render(cli.render, console),
     };
     match result {

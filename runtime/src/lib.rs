@@ -7,6 +7,7 @@
 #![allow(clippy::result_large_err)]
 
 mod abstraction;
+pub mod census;
 pub mod eval;
 pub mod export;
 pub mod fault;

@@ -9,6 +9,7 @@
 //! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones.
 //! - [`loose`], [`profile`]: bounds that need only be valid.
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
+//! - [`skeleton`]: a graph without all that only moves and shapes things.
 //! - [`findings`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod canon;
@@ -24,6 +25,7 @@ mod operation;
 mod profile;
 mod range;
 mod run;
+mod skeleton;
 mod sketch;
 mod slim;
 mod step;
@@ -35,6 +37,7 @@ mod walk;
 pub use findings::{IdleRule, certain_faults, idle_rules};
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
 pub(crate) use profile::stretch;
+pub(crate) use skeleton::skeleton;
 pub(crate) use sketch::{Count, Extent};
 pub(crate) use survey::{Scout, Survey};
 

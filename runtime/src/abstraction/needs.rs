@@ -44,6 +44,8 @@ pub(super) enum Sinks {
     All,
     /// Only where something is chosen.
     Control,
+    /// Where paths and seeds are made too: for draws that are to come out as they do.
+    Exact,
 }
 
 /// What is needed of a function's arguments and of its caller's slots.
@@ -182,7 +184,7 @@ impl<'g> Analysis<'g> {
 
     fn node(&self, node: &Node) -> Slots {
         let at = |id: &NodeId| self.nodes[id.0 as usize].clone();
-        let data = self.sinks == Sinks::All;
+        let (data, exact) = (self.sinks != Sinks::Control, self.sinks == Sinks::Exact);
         let joined = |mut slots: Slots, more: &[Slot]| {
             add_all(&mut slots, more);
             slots
@@ -193,7 +195,7 @@ impl<'g> Analysis<'g> {
             Node::Transform { code, body, .. } => joined(at(body), &self.read(code, data)),
             Node::Calc { code, body, .. } => self.code(code, false, &at(body)).slots,
             Node::Paint { body, .. } => at(body),
-            Node::Variant { count, body, .. } => joined(at(body), &self.read(count, false)),
+            Node::Variant { count, body, .. } => joined(at(body), &self.read(count, exact)),
             Node::Repeat { count, index, body, .. } => {
                 let mut slots = at(body);
                 remove(&mut slots, *index);
@@ -245,7 +247,11 @@ impl<'g> Analysis<'g> {
     }
 
     fn system_call(&self, call: &SystemCall) -> Slots {
-        self.back(&call.args, &self.system_args(call), &Slots::new()).slots
+        let mut slots = self.back(&call.args, &self.system_args(call), &Slots::new()).slots;
+        if self.sinks == Sinks::Exact {
+            call.seed.iter().for_each(|it| add_all(&mut slots, &self.read(it, true)));
+        }
+        slots
     }
 
     /// What is needed at each entry.
@@ -350,7 +356,7 @@ impl<'g> Analysis<'g> {
                 }
                 needed
             }
-            Op::Builtin(to, Builtin::Rand, _) => now.take(*to),
+            Op::Builtin(to, Builtin::Rand, _) if self.sinks != Sinks::Exact => now.take(*to),
             Op::Vector(to, args) | Op::List(to, args) | Op::Builtin(to, _, args) | Op::Draw { to, args, .. } => {
                 now.pass(*to, args)
             }

@@ -11,7 +11,7 @@ use super::Route;
 use super::liveness::{Live, Liveness};
 use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
-use crate::fault::{Fault, TrailStep};
+use crate::fault::{Fault, FaultKind, TrailStep};
 use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, Slot, SystemId, Value};
 use crate::geometry::Primitive;
 use crate::limits::Limits;
@@ -146,7 +146,7 @@ impl<'s> Expander<'s> {
             Entry::System(id) => (self.graph.system(id).start, Route::START),
             Entry::Select(id) => {
                 let select = self.graph.select(id);
-                let chosen = machine.choose(self.graph, select, &mut env)?;
+                let chosen = machine.choose(self.graph, select, &mut env).map_err(|it| self.without_unknown(id, it))?;
                 (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
             }
         };
@@ -183,9 +183,28 @@ impl<'s> Expander<'s> {
     /// What to tell about a state in the trail of a fault below it.
     pub fn trail_step(&self, state: &State, origin: Origin) -> TrailStep {
         match state.entry {
-            Entry::Select(id) => trail_step(self.graph, self.graph.select(id), &self.env(state), origin),
+            Entry::Select(id) => {
+                let mut step = trail_step(self.graph, self.graph.select(id), &self.env(state), origin);
+                self.keep_known(id, &mut step.values);
+                step
+            }
             Entry::System(id) => TrailStep { name: self.graph.system(id).name.clone(), values: Vec::new(), origin },
         }
+    }
+
+    /// Of a module's parameters in order, keeps those that a state knows.
+    fn keep_known(&self, id: SelectId, values: &mut Vec<(String, Value)>) {
+        let live = &self.liveness.select(id).slots;
+        let mut slots = self.graph.select(id).params.iter();
+        values.retain(|_| slots.next().is_some_and(|it| live.contains(it)));
+    }
+
+    /// A fault that tells no value of what nothing below reads: a state does not know it.
+    fn without_unknown(&self, id: SelectId, mut fault: Fault) -> Fault {
+        if let FaultKind::NoRule { values, .. } = &mut fault.kind {
+            self.keep_known(id, values);
+        }
+        fault
     }
 
     /// A machine for this scene.

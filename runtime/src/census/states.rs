@@ -1,0 +1,46 @@
+//! The states of a scene, one by one.
+
+use std::collections::HashSet;
+
+use crate::fault::{Fault, FaultKind};
+use crate::form::{Origin, Scene};
+use crate::limits::Limits;
+use crate::picture::Watch;
+use crate::quick_hash::BuildQuickHash;
+use crate::trace::{Expander, Group, Solid, State};
+
+/// How many states a scene has; none if they are more than `most`.
+pub(super) fn states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Watch) -> Result<Option<usize>, Fault> {
+    let expander = Expander::new(scene, limits);
+    let mut seen: HashSet<State, BuildQuickHash> = HashSet::default();
+    let mut ahead = vec![expander.root()?];
+    seen.extend(ahead.iter().cloned());
+    while let Some(state) = ahead.pop() {
+        if watch.interrupted() {
+            return Err(Fault::new(FaultKind::Interrupted, Origin::NONE));
+        }
+        called(&expander.expand(&state)?, &mut |it| {
+            if seen.len() <= most && seen.insert(it.clone()) {
+                ahead.push(it.clone());
+            }
+        });
+        if seen.len() > most {
+            return Ok(None);
+        }
+    }
+    Ok(Some(seen.len()))
+}
+
+/// Hands on every state in a group, and in the operands of its Booleans.
+pub(super) fn called(group: &Group, take: &mut impl FnMut(&State)) {
+    for item in &group.items {
+        match &item.solid {
+            Solid::Leaf { .. } => {}
+            Solid::Instance(state, _) => take(state),
+            Solid::Intersect(operands) => operands.iter().for_each(|it| called(it, take)),
+            Solid::Difference(first, others) => {
+                std::iter::once(&**first).chain(others).for_each(|it| called(it, take));
+            }
+        }
+    }
+}

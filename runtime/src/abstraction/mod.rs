@@ -9,6 +9,7 @@
 //! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones.
 //! - [`loose`], [`profile`]: bounds that need only be valid.
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
+//! - [`hyper`]: one box for all states of a module.
 //! - [`findings`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod canon;
@@ -17,6 +18,7 @@ mod cycles;
 mod entries;
 mod findings;
 mod flow;
+mod hyper;
 mod loose;
 mod machine;
 mod needs;
@@ -33,6 +35,7 @@ mod value;
 mod walk;
 
 pub use findings::{IdleRule, certain_faults, idle_rules};
+pub(crate) use hyper::HyperBoxes;
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
 pub(crate) use profile::stretch;
 pub(crate) use sketch::{Count, Extent};

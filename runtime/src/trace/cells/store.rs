@@ -18,7 +18,7 @@ use super::cell::Cell;
 use super::ending::Ending;
 use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
-use crate::abstraction::Survey;
+use crate::abstraction::{HyperBoxes, Survey};
 use crate::fault::{Fault, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
@@ -36,6 +36,8 @@ const MOST_BENCH: usize = 64 << 20;
 pub(super) struct Store<'s> {
     pub(super) expander: Expander<'s>,
     pub(super) survey: Survey,
+    /// One box for each module, if those are what is looked at.
+    pub(super) hyper: Option<HyperBoxes>,
     pub(super) limits: Limits,
     /// Workshops that nobody is in.
     #[expect(clippy::vec_box, reason = "they come and go, and are large")]
@@ -118,6 +120,7 @@ impl<'s> Store<'s> {
         Ok(Self {
             expander,
             survey: Survey::new(scene, limits),
+            hyper: None,
             limits: *limits,
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
@@ -128,6 +131,13 @@ impl<'s> Store<'s> {
             built: AtomicU64::new(0),
             most_cells: AtomicU64::new(0),
         })
+    }
+
+    /// The same with one box for each module.
+    pub(super) fn with_hyper_boxes(mut self) -> Self {
+        let live = self.expander.live_slots(self.root.entry);
+        self.hyper = Some(self.survey.hyper_boxes(&self.root, live));
+        self
     }
 
     /// A place to make cells.

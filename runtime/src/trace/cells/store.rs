@@ -266,6 +266,20 @@ impl Generation {
         Self::with_room_for([most; 2], &self.looks, &self.state(number), None)
     }
 
+    /// A small generation in which a state has number 0, to measure what it looks like: most of what is met there is of no
+    /// other use.
+    pub(super) fn beside(&self, state: &Arc<State>) -> Self {
+        let most = self.most / 8;
+        Self::with_room_for([most - most / 4, most], &self.looks, state, None)
+    }
+
+    /// The one after this, which begins with the same state: what is asked for again is carried over.
+    pub(super) fn next(self: Arc<Self>) -> Arc<Self> {
+        *lock(&self.before) = None;
+        let (room, root) = ([self.enough, self.most], self.state(super::ROOT));
+        Arc::new(Self::with_room_for(room, &self.looks, &root, Some(Arc::clone(&self))))
+    }
+
     /// The number of a state: equal states have the same one.
     pub(super) fn number(&self, state: &Arc<State>) -> u32 {
         let mut names = lock(&self.names);
@@ -295,21 +309,10 @@ impl Generation {
     /// The state that looks from far away as this one does: where what is below draws, one that stands for all with the same
     /// values.
     pub(super) fn model(&self, number: u32) -> u32 {
-        *self.models.at(number).get_or_init(|| self.likeness(number, 0))
-    }
-
-    /// So many states that look from far away as this one does; one if there is no chance in it.
-    pub(super) fn likenesses(&self, number: u32, count: u32) -> Vec<u32> {
-        let count = if self.state(number).path.is_some() { count } else { 1 };
-        (0..count).map(|it| self.likeness(number, it)).collect()
-    }
-
-    fn likeness(&self, number: u32, which: u32) -> u32 {
-        let state = self.state(number);
-        match state.likeness(which) {
+        *self.models.at(number).get_or_init(|| match self.state(number).likeness(0) {
             None => number,
-            Some(likeness) => self.number(&Arc::new(likeness)),
-        }
+            Some(model) => self.number(&Arc::new(model)),
+        })
     }
 
     /// What stands for a state from far away, if that is known.

@@ -173,6 +173,8 @@ pub struct Program {
 pub enum Culling {
     /// Whatever lies outside the exact bounds of a state
     State,
+    /// Modules outside one box a module, around all that it ever stands for
+    Hyper,
     /// Nothing
     None,
 }
@@ -181,6 +183,7 @@ impl From<Culling> for CullingMode {
     fn from(culling: Culling) -> Self {
         match culling {
             Culling::State => Self::State,
+            Culling::Hyper => Self::Hyper,
             Culling::None => Self::None,
         }
     }

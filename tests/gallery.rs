@@ -41,7 +41,8 @@ fn assert_same_pictures(path: &Path) {
     let limits = Limits::default();
     let fast = picture(&scene, &CellTracer::new(&scene, &limits, Culling::State).unwrap());
     let unculled = picture(&scene, &CellTracer::new(&scene, &limits, Culling::None).unwrap());
-    assert!(fast == unculled, "{name}: culling changes the picture");
+    let by_module = picture(&scene, &CellTracer::new(&scene, &limits, Culling::Hyper).unwrap());
+    assert!(fast == unculled && fast == by_module, "{name}: culling changes the picture");
     let by_the_book = picture(&scene, &Reference::new(&scene, &limits));
     // Depths agree to 1e-9, so colours agree but where a ray along an edge falls on its other side.
     let differs = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);

@@ -124,7 +124,8 @@ fn culling_changes_no_bit() {
     for (number, scene) in scenes.enumerate() {
         let culled = picture(&tracer(&scene, &limits, Culling::State), &rays);
         let all = picture(&tracer(&scene, &limits, Culling::None), &rays);
-        assert!(culled == all, "scene {number}");
+        let by_module = picture(&tracer(&scene, &limits, Culling::Hyper), &rays);
+        assert!(culled == all && by_module == all, "scene {number}");
     }
 }
 

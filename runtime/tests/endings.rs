@@ -158,6 +158,7 @@ fn company_culling_memory_and_threads_change_no_bit() {
         let together = bits(&tracer(&scene, &limits, Culling::State), &beams);
         assert!(together.iter().flatten().count() > 150);
         assert!(bits(&tracer(&scene, &limits, Culling::None), &beams) == together);
+        assert!(bits(&tracer(&scene, &limits, Culling::Hyper), &beams) == together);
         let poor = Limits { cell_bytes: 60_000, ..limits };
         let shared = tracer(&scene, &poor, Culling::State);
         thread::scope(|scope| {
@@ -219,4 +220,13 @@ fn the_solid_that_a_program_gives_stands_where_recursion_ends() {
     let (beams, _) = square(DVec3::NEG_Z, 64, 1.0, 0.3);
     let seen = look(&tracer, &beams);
     assert!(seen.iter().flatten().all(|it| it.coverage == 1.0 && it.spread == 0.0));
+    // The balls are far thicker than the flat squares that they stand for, and no less to be met for that.
+    let (slanted, _) = square(DVec3::new(0.9, 0.3, -0.4), 48, 1.3, 0.3);
+    let by = |culling| {
+        let tracer = CellTracer::new(&scene, &Limits::default(), culling).expect("the scene has bounds");
+        bits(&tracer, &slanted)
+    };
+    let all = by(Culling::None);
+    assert!(all.iter().flatten().count() > 300);
+    assert!(by(Culling::State) == all && by(Culling::Hyper) == all);
 }

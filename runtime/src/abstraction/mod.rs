@@ -10,6 +10,7 @@
 //! - [`loose`], [`profile`]: bounds that need only be valid.
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
 //! - [`skeleton`]: a graph without all that only moves and shapes things.
+//! - [`hyper`]: one box for all states of a module.
 //! - [`findings`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod canon;
@@ -18,6 +19,7 @@ mod cycles;
 mod entries;
 mod findings;
 mod flow;
+mod hyper;
 mod loose;
 mod machine;
 mod needs;
@@ -35,6 +37,7 @@ mod value;
 mod walk;
 
 pub use findings::{IdleRule, certain_faults, idle_rules};
+pub(crate) use hyper::HyperBoxes;
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
 pub(crate) use profile::stretch;
 pub(crate) use skeleton::skeleton;

@@ -142,6 +142,17 @@ impl<'f> Run<'f> {
         is_known.then(|| self.all_met())
     }
 
+    /// Runs on from the state it begins at, and gives what each state that was met amounts to; none if it is too much, or a
+    /// cycle has no bounds.
+    pub(super) fn extents(mut self, walker: &mut Walker) -> Option<Vec<(Entry, Extent)>> {
+        if !self.go(walker, |state, _| Ok(Meeting::Own(state))).unwrap_or(false) {
+            return None;
+        }
+        let extents = self.solve_all().ok()?;
+        let entries = self.nodes.iter().map(|it| it.state.entry);
+        Some(entries.zip(extents).collect())
+    }
+
     /// Looks at all states; whether they are not too many.
     fn go(
         &mut self,
@@ -332,7 +343,15 @@ impl<'f> Run<'f> {
         number
     }
 
-    fn solve(self) -> Outcome {
+    fn solve(&self) -> Outcome {
+        match self.solve_all() {
+            Ok(extents) => Outcome::Extent(extents[0]),
+            Err(circle) => self.endless(circle),
+        }
+    }
+
+    /// What all nodes amount to, or a circle of nodes that has no bounds.
+    fn solve_all(&self) -> Result<Vec<Extent>, Vec<u32>> {
         let count = self.nodes.len();
         let inner = |node: &Node| -> Vec<u32> {
             let targets = node.targets.iter();
@@ -361,10 +380,10 @@ impl<'f> Run<'f> {
                 Some(Knot { sketch, links })
             })) {
                 Ok(found) => component.iter().zip(found).for_each(|(it, extent)| extents[*it as usize] = extent),
-                Err(Endless { circle }) => return self.endless(circle.iter().map(|it| component[*it]).collect()),
+                Err(Endless { circle }) => return Err(circle.iter().map(|it| component[*it]).collect()),
             }
         }
-        Outcome::Extent(extents[0])
+        Ok(extents)
     }
 
     /// What to say of a circle of nodes, in order.

@@ -8,6 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::canon::Canon;
 use super::flow::Flow;
+use super::hyper::HyperBoxes;
 use super::run::{Meeting, Outcome, Rest, Run};
 use super::sketch::{AbstractState, Extent};
 use super::trouble::{Blame, Blamed};
@@ -76,6 +77,11 @@ impl Survey {
         }
         scout.remembered.insert(start, extent);
         Ok(extent)
+    }
+
+    /// One box for each module, around all that its states below one ever stand for; `live` as in [`Self::extent`].
+    pub(crate) fn hyper_boxes(&self, state: &State, live: &[Slot]) -> HyperBoxes {
+        HyperBoxes::below(&self.flow, Walker::start(&self.flow, state, live))
     }
 
     fn shared(&self, state: AbstractState) -> Result<Extent, Fault> {

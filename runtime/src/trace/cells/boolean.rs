@@ -164,6 +164,9 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         if instance.side * place.unit < self.ask.girth.at(near.start()) {
             return Ok(closed(place, instance));
         }
+        if instance.hyper.as_ref().is_some_and(|it| near.between(it).is_none()) {
+            return Ok(Line::empty());
+        }
         let boxes = BoxRay::new(near.origin, near.direction);
         let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_at_start(&instance.way) };
         let shift = if from == NONE { 0.0 } else { near.own(0.0) };

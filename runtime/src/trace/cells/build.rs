@@ -401,8 +401,11 @@ impl Layout<'_, '_, '_> {
         let bounds = self.shop.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
         let own = self.frame.inwards(&bounds);
         let side = if own.is_finite() { (own.max - own.min).max_element() } else { f64::INFINITY };
-        let state = self.generation.number(&self.shop.state(state));
-        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side });
+        let frame = self.shop.frame(state)?;
+        let state = self.shop.state(state);
+        let hyper = self.shop.store.hyper.as_ref().map(|it| Box::new(grown(&frame.inwards(&it.of(state.entry)))));
+        let state = self.generation.number(&state);
+        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side, hyper });
         Ok((member, bounds))
     }
 
@@ -432,6 +435,16 @@ impl Layout<'_, '_, '_> {
         self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
+}
+
+/// A box with room for the rounding of its test.
+fn grown(bounds: &Aabb) -> Aabb {
+    const ROOM: f64 = 1e-9;
+    if bounds.is_empty() {
+        return *bounds;
+    }
+    let room = bounds.min.abs().max(bounds.max.abs()).max_element() * ROOM + f64::MIN_POSITIVE;
+    Aabb { min: bounds.min - room, max: bounds.max + room }
 }
 
 /// A primitive as a convex one, with the map to its frame, if rays of the cell have numbers there that can be squared.

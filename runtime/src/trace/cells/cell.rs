@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::boxes::Node;
-use super::ray::Inwards;
+use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
@@ -167,6 +167,8 @@ pub(super) struct Instance {
     /// does not end.
     pub(super) bounds: Aabb,
     pub(super) side: f64,
+    /// In the inner cell's own frame, a box around all that the state's module ever stands for, if that is what is looked at.
+    pub(super) hyper: Option<Box<Aabb>>,
 }
 
 /// An intersection or a difference in a cell.
@@ -206,6 +208,14 @@ pub(super) struct Frame {
     pub(super) center: DVec3,
     /// Its unit of length, a power of two.
     pub(super) size: f64,
+}
+
+impl Instance {
+    /// Whether a ray of the inner cell's own frame misses the box that is looked at before going in.
+    #[inline(always)]
+    pub(super) fn is_missed(&self, inner: &Local) -> bool {
+        self.hyper.as_ref().is_some_and(|it| inner.between(it).is_none_or(|(_, far)| far < inner.own(0.0)))
+    }
 }
 
 impl Frame {

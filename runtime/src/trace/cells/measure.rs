@@ -13,14 +13,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 
+use super::ROOT;
 use super::ask::{Ask, Girth, NONE, Notes, Question};
 use super::boxes::BoxRay;
-use super::build::build;
 use super::cell::Cell;
 use super::deep::deeper;
 use super::proxy::{Proxy, Survey};
 use super::ray::{Inwards, Local};
-use super::resolve::{Hit, Resolver};
+use super::resolve::{Hit, NO_CELL, Resolver};
 use super::store::Generation;
 use super::traverse::{Passage, Scratch, Start, Tracing};
 use crate::fault::Fault;
@@ -121,46 +121,50 @@ pub(super) fn measure<K: Kernel>(
 ) -> Result<(Proxy, bool), Fault> {
     let outer = ask.measuring;
     let nested = ask.nested;
+    let state = generation.state(state);
     deeper(ask, move |_| {
-        let here = Measuring::new(generation.state(state), outer);
+        let here = Measuring::new(Arc::clone(&state), outer);
         let mut survey = Survey::default();
-        let likenesses = generation.likenesses(state, LIKENESSES);
+        let likenesses = likenesses(&state);
         for (number, likeness) in likenesses.iter().enumerate() {
             let mut notes = Notes::default();
             let share = (number as u32, likenesses.len() as u32);
-            Surveyor::new(tracing, generation, *likeness, &here, nested)?.look(share, &mut survey, &mut notes)?;
+            let generation = Arc::new(generation.beside(likeness));
+            let way = Inwards::new(glam::DAffine3::IDENTITY);
+            let mut surveyor = Surveyor { tracing, generation, measuring: &here, nested, way };
+            surveyor.look(share, &mut survey, &mut notes)?;
         }
         Ok((survey.proxy(), here.clean.into_inner()))
     })
 }
 
+/// The states that are looked at for a state: it alone if there is no chance in it.
+fn likenesses(state: &Arc<State>) -> Vec<Arc<State>> {
+    match state.path {
+        None => vec![Arc::clone(state)],
+        Some(_) => (0..LIKENESSES).filter_map(|it| state.likeness(it)).map(Arc::new).collect(),
+    }
+}
+
 /// Looks at one state.
-struct Surveyor<'a, 's, 'g, K: Kernel> {
+struct Surveyor<'a, 's, K: Kernel> {
     tracing: &'a Tracing<'a, 's, K>,
-    generation: &'g Generation,
-    state: u32,
-    cell: Box<Cell>,
+    /// One that begins with the state.
+    generation: Arc<Generation>,
     measuring: &'a Measuring<'a>,
     nested: u32,
     way: Inwards,
 }
 
-impl<'a, 's, 'g, K: Kernel> Surveyor<'a, 's, 'g, K> {
-    fn new(
-        tracing: &'a Tracing<'a, 's, K>,
-        generation: &'g Generation,
-        state: u32,
-        measuring: &'a Measuring<'a>,
-        nested: u32,
-    ) -> Result<Self, Fault> {
-        let cell = Box::new(build(tracing.store, generation, state)?);
-        let way = Inwards::new(glam::DAffine3::IDENTITY);
-        Ok(Self { tracing, generation, state, cell, measuring, nested, way })
+impl<K: Kernel> Surveyor<'_, '_, K> {
+    /// The state's cell. One cell fits into every generation.
+    fn cell<'g>(&self, generation: &'g Generation) -> Result<&'g Cell, Fault> {
+        Ok(self.tracing.store.cell(generation, ROOT)?.unwrap_or(&NO_CELL))
     }
 
     /// Looks at the state along a share of all rays: of so many states, as this one of them.
-    fn look(&self, (which, of): (u32, u32), survey: &mut Survey, notes: &mut Notes) -> Result<(), Fault> {
-        let bounds = self.cell.bounds;
+    fn look(&mut self, (which, of): (u32, u32), survey: &mut Survey, notes: &mut Notes) -> Result<(), Fault> {
+        let bounds = self.cell(&self.generation)?.bounds;
         let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
         let girth = Girth { width: 2.0 * half.max_element() * WIDTH, spread: 0.0 };
         let mut seen = Seen::default();
@@ -177,6 +181,9 @@ impl<'a, 's, 'g, K: Kernel> Surveyor<'a, 's, 'g, K> {
                 let [x, y] = place(number + RAYS * view as u32);
                 let origin = start + across * (wide * (2.0 * x - 1.0)) + up * (high * (2.0 * y - 1.0));
                 let ray = Ray { origin, direction };
+                if self.generation.is_full() {
+                    self.generation = Arc::clone(&self.generation).next();
+                }
                 self.see(&ray, girth, notes, &mut seen)?;
                 self.note(&seen, area, view + number as usize, girth, survey, notes)?;
             }
@@ -191,7 +198,8 @@ impl<'a, 's, 'g, K: Kernel> Surveyor<'a, 's, 'g, K> {
         let mut ask = Ask::new(Question::Nearest, None, girth, notes);
         self.ask(&mut ask, ray)?;
         let (depth, found) = (ask.best, ask.found);
-        let mut resolver = Resolver::of_cell(self.tracing.store, self.generation, &self.cell, &self.way);
+        let cell = self.cell(&self.generation)?;
+        let mut resolver = Resolver::of_cell(self.tracing.store, &self.generation, cell, &self.way);
         resolver.see(notes, &Hit { ray, depth, found, number: 0 }, Some(self.measuring), seen)?;
         seen.end_ray();
         Ok(())
@@ -202,7 +210,7 @@ impl<'a, 's, 'g, K: Kernel> Surveyor<'a, 's, 'g, K> {
         ask.nested = self.nested;
         let ray = Local::new(ray, &self.way);
         let passage = Passage {
-            state: self.state,
+            state: ROOT,
             called: Origin::NONE,
             ray,
             boxes: BoxRay::new(ray.origin, ray.direction),
@@ -213,10 +221,11 @@ impl<'a, 's, 'g, K: Kernel> Surveyor<'a, 's, 'g, K> {
             unit: 1.0,
         };
         let tracing = self.tracing;
+        let (generation, cell) = (&*self.generation, self.cell(&self.generation)?);
         let mut scratch = Scratch::default();
         tracing.kernel.vectorize(
             #[inline(always)]
-            || tracing.search(self.generation, &mut scratch, ask, Start { cell: &self.cell, passage }),
+            || tracing.search(generation, &mut scratch, ask, Start { cell, passage }),
         )
     }
 

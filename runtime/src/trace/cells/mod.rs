@@ -56,6 +56,8 @@ const ROOT: u32 = 0;
 pub enum Culling {
     /// What lies in boxes that a ray does not meet, or meets behind its hit.
     State,
+    /// Modules whose one box, around all that they ever stand for, a ray does not meet (GT95, section 5).
+    Hyper,
     /// Nothing: every ray goes through everything.
     None,
 }
@@ -75,7 +77,10 @@ impl<'s> CellTracer<'s> {
     /// # Errors
     /// What fails in expanding the scene as far as its bounds need.
     pub fn new(scene: &'s Scene, limits: &Limits, culling: Culling) -> Result<Self, Fault> {
-        let store = Store::new(scene, limits)?;
+        let mut store = Store::new(scene, limits)?;
+        if culling == Culling::Hyper {
+            store = store.with_hyper_boxes();
+        }
         let frame = {
             let mut workshop = store.workshop();
             let root = workshop.number_of(store.root());

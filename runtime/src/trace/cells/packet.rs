@@ -462,9 +462,13 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             inner.rays.local[half] = outer.rays.local[half].entered(&instance.way).0;
         }
         let ended = rays & self.ask.wider(kernel, &inner.rays.local, instance.side * outer_way.unit);
-        let rays = rays & !ended;
+        let mut rays = rays & !ended;
+        if instance.hyper.is_some() {
+            let missed = |ray: &usize| instance.is_missed(&inner.rays.local[ray / EIGHT].ray(ray % EIGHT));
+            rays &= !lanes_of(rays).filter(missed).fold(0, |all, ray| all | 1 << ray);
+        }
         if rays == 0 {
-            return self.end(number, ended);
+            return if ended == 0 { Ok(()) } else { self.end(number, ended) };
         }
         let (state, called) = (instance.state, part.origin);
         let cell = match self.generation.kept(state) {

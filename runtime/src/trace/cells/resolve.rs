@@ -428,7 +428,7 @@ impl Place<'_> {
 }
 
 /// For ways that begin nowhere.
-static NO_CELL: LazyLock<Cell> = LazyLock::new(Cell::default);
+pub(super) static NO_CELL: LazyLock<Cell> = LazyLock::new(Cell::default);
 
 /// A matrix in other units where they are needed, so that no length on a long way is out of range.
 fn near_one(matrix: DMat3) -> DMat3 {

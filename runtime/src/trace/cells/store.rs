@@ -18,7 +18,7 @@ use super::cell::Cell;
 use super::ending::Ending;
 use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
-use crate::abstraction::Survey;
+use crate::abstraction::{HyperBoxes, Survey};
 use crate::fault::{Fault, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
@@ -36,6 +36,8 @@ const MOST_BENCH: usize = 64 << 20;
 pub(super) struct Store<'s> {
     pub(super) expander: Expander<'s>,
     pub(super) survey: Survey,
+    /// One box for each module, if those are what is looked at.
+    pub(super) hyper: Option<HyperBoxes>,
     pub(super) limits: Limits,
     /// Workshops that nobody is in.
     #[expect(clippy::vec_box, reason = "they come and go, and are large")]
@@ -118,6 +120,7 @@ impl<'s> Store<'s> {
         Ok(Self {
             expander,
             survey: Survey::new(scene, limits),
+            hyper: None,
             limits: *limits,
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
@@ -128,6 +131,13 @@ impl<'s> Store<'s> {
             built: AtomicU64::new(0),
             most_cells: AtomicU64::new(0),
         })
+    }
+
+    /// The same with one box for each module.
+    pub(super) fn with_hyper_boxes(mut self) -> Self {
+        let live = self.expander.live_slots(self.root.entry);
+        self.hyper = Some(self.survey.hyper_boxes(&self.root, live));
+        self
     }
 
     /// A place to make cells.
@@ -256,6 +266,20 @@ impl Generation {
         Self::with_room_for([most; 2], &self.looks, &self.state(number), None)
     }
 
+    /// A small generation in which a state has number 0, to measure what it looks like: most of what is met there is of no
+    /// other use.
+    pub(super) fn beside(&self, state: &Arc<State>) -> Self {
+        let most = self.most / 8;
+        Self::with_room_for([most - most / 4, most], &self.looks, state, None)
+    }
+
+    /// The one after this, which begins with the same state: what is asked for again is carried over.
+    pub(super) fn next(self: Arc<Self>) -> Arc<Self> {
+        *lock(&self.before) = None;
+        let (room, root) = ([self.enough, self.most], self.state(super::ROOT));
+        Arc::new(Self::with_room_for(room, &self.looks, &root, Some(Arc::clone(&self))))
+    }
+
     /// The number of a state: equal states have the same one.
     pub(super) fn number(&self, state: &Arc<State>) -> u32 {
         let mut names = lock(&self.names);
@@ -285,21 +309,10 @@ impl Generation {
     /// The state that looks from far away as this one does: where what is below draws, one that stands for all with the same
     /// values.
     pub(super) fn model(&self, number: u32) -> u32 {
-        *self.models.at(number).get_or_init(|| self.likeness(number, 0))
-    }
-
-    /// So many states that look from far away as this one does; one if there is no chance in it.
-    pub(super) fn likenesses(&self, number: u32, count: u32) -> Vec<u32> {
-        let count = if self.state(number).path.is_some() { count } else { 1 };
-        (0..count).map(|it| self.likeness(number, it)).collect()
-    }
-
-    fn likeness(&self, number: u32, which: u32) -> u32 {
-        let state = self.state(number);
-        match state.likeness(which) {
+        *self.models.at(number).get_or_init(|| match self.state(number).likeness(0) {
             None => number,
-            Some(likeness) => self.number(&Arc::new(likeness)),
-        }
+            Some(model) => self.number(&Arc::new(model)),
+        })
     }
 
     /// What stands for a state from far away, if that is known.

@@ -300,6 +300,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         if instance.side * passage.unit < ask.girth.at(ray.start()) {
             return self.end(ask, instance, &ray, boxes);
         }
+        if instance.is_missed(&ray) {
+            return Ok(None);
+        }
         let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
         let trail = ask.notes.trails.on(passage.trail, instance.part);
         let unit = passage.unit * instance.way.unit;

@@ -14,6 +14,7 @@ pub mod geometry;
 mod lanes;
 mod limits;
 pub mod picture;
+pub mod texture;
 pub mod trace;
 
 pub use fault::{Fault, FaultKind, Limit, TrailStep};

@@ -12,5 +12,6 @@ mod random;
 pub use env::Env;
 pub use machine::{Machine, Results};
 pub(crate) use meaning::trail_step;
-pub(crate) use path::spread;
+pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise};
 pub use path::{Path, Place};
+pub(crate) use path::{mix, spread};

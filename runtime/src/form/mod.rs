@@ -9,6 +9,7 @@ mod graph_check;
 mod origin;
 mod primitive;
 mod scene;
+mod texture;
 mod value;
 
 pub use code::{BinaryOp, Builtin, Code, Draw, Function, FunctionId, Op, Reg, Slot, UnaryOp};
@@ -19,4 +20,5 @@ pub use graph::{
 pub use origin::Origin;
 pub use primitive::PrimitiveKind;
 pub use scene::{Background, Camera, ImageSettings, Lens, Material, MaterialId, Scene, Sky, Sun};
+pub use texture::{Fbm, Fourier, Pattern, Space, Texture, TextureId};
 pub use value::{Value, Vector};

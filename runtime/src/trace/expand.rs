@@ -48,6 +48,8 @@ pub struct Item {
     pub group_from_item: DAffine3,
     /// The innermost paint between the group and the part; what is inside the part and has its own paint keeps that.
     pub material: Option<MaterialId>,
+    /// The frame in which that paint stands, in the group's, if its look depends on it.
+    pub group_from_paint: Option<Box<DAffine3>>,
     /// The choices and copies between the group and the part.
     pub route: Route,
     /// What it is.
@@ -76,6 +78,8 @@ pub enum Solid {
 #[derive(Debug)]
 pub struct Expander<'s> {
     graph: &'s Graph,
+    /// By number of the material: whether its look depends on the frame in which its paint stands.
+    in_place: Box<[bool]>,
     liveness: Liveness,
     seed: u64,
     limits: Limits,
@@ -84,7 +88,14 @@ pub struct Expander<'s> {
 impl<'s> Expander<'s> {
     /// An expander for a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { graph: &scene.graph, liveness: Liveness::of(&scene.graph), seed: scene.seed, limits: *limits }
+        let materials = 0..scene.materials.len() as u32;
+        Self {
+            graph: &scene.graph,
+            in_place: materials.map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
+            liveness: Liveness::of(&scene.graph),
+            seed: scene.seed,
+            limits: *limits,
+        }
     }
 
     /// The state of the whole scene.
@@ -113,7 +124,7 @@ impl<'s> Expander<'s> {
                 (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
             }
         };
-        walk.add(&mut group, body, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        walk.add(&mut group, body, Here::new(route, env))?;
         Ok(group)
     }
 
@@ -130,9 +141,8 @@ impl<'s> Expander<'s> {
         };
         let (left, copies) = (self.limits.items, self.limits.repeat);
         let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
-        let (env, route) = (self.env(state), Route::START);
         let mut group = Group::default();
-        walk.add(&mut group, proxy, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        walk.add(&mut group, proxy, Here::new(Route::START, self.env(state)))?;
         Ok(Some(group))
     }
 
@@ -186,8 +196,17 @@ pub(crate) const OPERAND: u64 = 0x3000_0000_0000_0000;
 struct Here {
     group_from_here: DAffine3,
     material: Option<MaterialId>,
+    /// See [`Item::group_from_paint`].
+    group_from_paint: Option<DAffine3>,
     route: Route,
     env: Env,
+}
+
+impl Here {
+    /// Where a group begins.
+    fn new(route: Route, env: Env) -> Self {
+        Self { group_from_here: DAffine3::IDENTITY, material: None, group_from_paint: None, route, env }
+    }
 }
 
 /// A walk through the nodes of one state.
@@ -228,6 +247,8 @@ impl Walk<'_, '_> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
+                    let in_place = self.expander.in_place.get(material.0 as usize).is_some_and(|it| *it);
+                    here.group_from_paint = in_place.then_some(here.group_from_here);
                     node = *body;
                 }
                 Node::Variant { count, body, origin } => {
@@ -292,9 +313,7 @@ impl Walk<'_, '_> {
     /// An operand of a Boolean, as a group in the frame of the Boolean itself.
     fn operand(&mut self, operand: NodeId, here: &Here) -> Result<Group, Fault> {
         let mut group = Group::default();
-        let inner =
-            Here { group_from_here: DAffine3::IDENTITY, material: None, route: Route::START, env: here.env.clone() };
-        self.add(&mut group, operand, inner)?;
+        self.add(&mut group, operand, Here::new(Route::START, here.env.clone()))?;
         Ok(group)
     }
 
@@ -304,8 +323,9 @@ impl Walk<'_, '_> {
             .left
             .checked_sub(1)
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
-        let Here { group_from_here: group_from_item, material, route, .. } = *here;
-        group.items.push(Item { group_from_item, material, route, solid });
+        let Here { group_from_here: group_from_item, material, group_from_paint, route, .. } = *here;
+        let group_from_paint = group_from_paint.map(Box::new);
+        group.items.push(Item { group_from_item, material, group_from_paint, route, solid });
         Ok(())
     }
 }

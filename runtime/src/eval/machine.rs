@@ -26,6 +26,8 @@ pub struct Machine<'g> {
     registers: Vec<Value>,
     /// Operations done since the outermost run began.
     operations: u64,
+    /// Operations done in all runs before.
+    before: u64,
 }
 
 /// What one run of a code stands in.
@@ -44,7 +46,7 @@ struct Frame {
 impl<'g> Machine<'g> {
     /// A machine for programs that call these functions.
     pub fn new(functions: &'g [Function], seed: u64, limits: &Limits) -> Self {
-        Self { functions, seed, limits: *limits, registers: Vec::new(), operations: 0 }
+        Self { functions, seed, limits: *limits, registers: Vec::new(), operations: 0, before: 0 }
     }
 
     /// The program's seed.
@@ -57,19 +59,24 @@ impl<'g> Machine<'g> {
         &self.limits
     }
 
+    /// Operations done in all runs so far.
+    pub(crate) fn operations(&self) -> u64 {
+        self.before + self.operations
+    }
+
     /// Runs a code in an environment.
     ///
     /// # Errors
     /// A fault, with the operation it happened at.
     pub fn run(&mut self, code: &Code, env: &mut Env) -> Result<Results, Fault> {
-        self.operations = 0;
+        self.before += std::mem::take(&mut self.operations);
         self.registers.clear();
         self.execute(code, env, Frame { base: 0, args: 0, depth: 0, site: 0 })?;
         Ok(code.results.iter().map(|it| self.get(0, *it).clone()).collect())
     }
 
     /// A number in [0, 1) for the draw at `place` in an environment.
-    pub(super) fn draw(&self, env: &Env, site: u64, place: u64) -> f64 {
+    pub(crate) fn draw(&self, env: &Env, site: u64, place: u64) -> f64 {
         let (here, there) = (mix(env.turn, site), mix(site, place));
         random::uniform(self.seed, (mix(mix(env.path.0, here), there), mix(mix(env.path.1, there), here)))
     }

@@ -150,23 +150,10 @@ impl Machine<'_> {
         if weights.is_empty() {
             return Err(no_rule(graph, select, env));
         }
-        // Divided by the largest, so that no sum overflows or vanishes.
-        let largest = weights.iter().fold(0.0, |largest: f64, it| if it.1 > largest { it.1 } else { largest });
-        if !largest.is_finite() || largest <= 0.0 || weights.iter().any(|it| it.1.is_nan() || it.1 < 0.0) {
+        drawn(&weights, self.draw(env, 0, place)).ok_or_else(|| {
             let weights = weights.iter().map(|it| it.1).collect();
-            return Err(Fault::new(FaultKind::Weights { module: select.module.clone(), weights }, select.origin));
-        }
-        let total: f64 = weights.iter().map(|it| it.1 / largest).sum();
-        let mut rest = self.draw(env, 0, place) * total;
-        let mut chosen = 0;
-        for (number, weight) in weights.iter().filter(|it| it.1 > 0.0) {
-            chosen = *number;
-            rest -= weight / largest;
-            if rest < 0.0 {
-                break;
-            }
-        }
-        Ok(chosen)
+            Fault::new(FaultKind::Weights { module: select.module.clone(), weights }, select.origin)
+        })
     }
 
     /// The environment in which a system starts.
@@ -213,6 +200,27 @@ impl Machine<'_> {
     }
 }
 
+/// Which of some numbered weights a uniform number from 0 to 1 falls to; one of 0 never wins. `None` if they cannot be drawn
+/// from.
+pub(crate) fn drawn(weights: &[(usize, f64)], uniform: f64) -> Option<usize> {
+    let largest = weights.iter().fold(0.0, |largest: f64, it| if it.1 > largest { it.1 } else { largest });
+    if !largest.is_finite() || largest <= 0.0 || weights.iter().any(|it| it.1.is_nan() || it.1 < 0.0) {
+        return None;
+    }
+    // Divided by the largest, so that no sum overflows or vanishes.
+    let total: f64 = weights.iter().map(|it| it.1 / largest).sum();
+    let mut rest = uniform * total;
+    let mut chosen = None;
+    for (number, weight) in weights.iter().filter(|it| it.1 > 0.0) {
+        chosen = Some(*number);
+        rest -= weight / largest;
+        if rest < 0.0 {
+            break;
+        }
+    }
+    chosen
+}
+
 /// The step of a fault's trail that stands for an S-node in an environment.
 pub(crate) fn trail_step(graph: &Graph, select: &Select, env: &Env, origin: Origin) -> TrailStep {
     TrailStep { name: select.module.clone(), values: parameters(graph, select, env), origin }
@@ -231,7 +239,7 @@ fn no_rule(graph: &Graph, select: &Select, env: &Env) -> Fault {
 }
 
 /// The matrix of a kind of transformation; `None` where the numbers make none.
-fn matrix(kind: TransformKind, values: &[f64]) -> Option<DAffine3> {
+pub(crate) fn matrix(kind: TransformKind, values: &[f64]) -> Option<DAffine3> {
     let linear = |x: [f64; 3], y: [f64; 3], z: [f64; 3]| {
         DAffine3::from_mat3(DMat3::from_cols(DVec3::from(x), DVec3::from(y), DVec3::from(z)))
     };
@@ -277,7 +285,7 @@ fn unit(x: f64, y: f64, z: f64) -> Option<DVec3> {
 }
 
 /// The rotation by an angle in degrees about a unit axis (Rodrigues).
-fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
+pub(crate) fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     let (s, c) = angle::sin_cos(degrees);
     let column = |v: DVec3| v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
@@ -317,6 +325,7 @@ impl PrimitiveKind {
             Self::Hyperboloid => "hyperboloid",
             Self::Paraboloid => "paraboloid",
             Self::Quadric => "quadric",
+            Self::Segment => "segment",
         }
     }
 }

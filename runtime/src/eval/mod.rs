@@ -9,8 +9,9 @@ mod operation;
 mod path;
 mod random;
 
+pub(crate) use angle::{atan2 as angle_between, sin_cos};
 pub use env::Env;
 pub use machine::{Machine, Results};
-pub(crate) use meaning::trail_step;
-pub(crate) use path::spread;
+pub(crate) use meaning::{drawn, matrix, rotation, trail_step};
 pub use path::{Path, Place};
+pub(crate) use path::{mix, spread};

@@ -208,6 +208,13 @@ pub struct Function {
     pub origin: Origin,
 }
 
+impl Code {
+    /// The slots it assigns.
+    pub fn stores(&self) -> impl Iterator<Item = Slot> {
+        self.ops.iter().filter_map(|it| if let Op::Store(slot, _) = it { Some(*slot) } else { None })
+    }
+}
+
 impl Op {
     /// The registers it names.
     pub(super) fn registers(&self) -> Vec<Reg> {

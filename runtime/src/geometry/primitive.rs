@@ -9,6 +9,7 @@ use super::flat::{self, HalfSpace};
 use super::frustum;
 use super::quadric::Quadric;
 use super::ray::Ray;
+use super::segment::CutCone;
 use super::sheet;
 use super::solve::{power_of_two_below, unit};
 use super::torus;
@@ -16,7 +17,7 @@ use crate::form::PrimitiveKind;
 
 /// One of the unit solids (or surfaces) that scenes are made of, in its own frame.
 ///
-/// **Faces** are numbered: those of a cylinder or a cone 0 round, 1 at z = 0, 2 at z = 1; those of a box x = -1, x = 1, y = -1,
+/// **Faces** are numbered: those of a cylinder, a cone or a segment 0 round, 1 below, 2 above; those of a box x = -1, x = 1, y = -1,
 /// y = 1, z = -1, z = 1; the face of a tetrahedron lies opposite the vertex of its number in the list of [`PrimitiveKind`]. All
 /// others have face 0 alone.
 ///
@@ -42,14 +43,16 @@ enum Shape {
     Hyperboloid { axes: DVec3 },
     Paraboloid { axes: DVec3 },
     Quadric(Quadric),
+    Segment(CutCone),
 }
 
 impl Primitive {
     /// The primitive of this kind with these parameters, in the order of [`PrimitiveKind`].
     ///
     /// `None` when they make no solid: a wrong count, a number that is not finite, a negative radius or two that are 0, a
-    /// radius of a torus or a half axis that is not positive, a half-space without a normal, a quadric whose q1 to q9 are 0. A
-    /// torus may have r > 1 (then it has no hole), and a quadric may be imaginary: it is empty.
+    /// radius of a torus or a half axis that is not positive, a half-space without a normal, a quadric whose q1 to q9 are 0, cuts
+    /// of a segment that miss its nappe or each other. A torus may have r > 1 (then it has no hole), and a quadric may be
+    /// imaginary: it is empty.
     pub fn new(kind: PrimitiveKind, params: &[f64]) -> Option<Self> {
         if !params.iter().all(|it| it.is_finite()) {
             return None;
@@ -69,9 +72,28 @@ impl Primitive {
             (PrimitiveKind::Quadric, &[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0]) => {
                 Shape::Quadric(Quadric::new(&[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0])?)
             }
+            (PrimitiveKind::Segment, &[radius, slope, bx, by, bz, bd, ax, ay, az, ad]) => {
+                let below = HalfSpace::new(DVec3::new(bx, by, bz), bd)?;
+                let above = HalfSpace::new(DVec3::new(ax, ay, az), ad)?;
+                Shape::Segment(CutCone::new(radius, slope, below, above)?)
+            }
             _ => return None,
         };
         Some(Self { shape })
+    }
+
+    /// The same segment, with these second texture coordinates at its ends; other primitives as they are.
+    #[must_use]
+    pub fn along(mut self, along: [f64; 2]) -> Self {
+        if let Shape::Segment(cone) = &mut self.shape {
+            cone.along = along;
+        }
+        self
+    }
+
+    /// Texture coordinates of a point on the surface: once round the axis from 0 to below 1, and along it. Only segments have them.
+    pub fn texture(&self, point: DVec3) -> Option<[f64; 2]> {
+        if let Shape::Segment(cone) = &self.shape { Some(cone.texture(point)) } else { None }
     }
 
     /// Its kind.
@@ -89,6 +111,7 @@ impl Primitive {
             Shape::Hyperboloid { .. } => PrimitiveKind::Hyperboloid,
             Shape::Paraboloid { .. } => PrimitiveKind::Paraboloid,
             Shape::Quadric(_) => PrimitiveKind::Quadric,
+            Shape::Segment(_) => PrimitiveKind::Segment,
         }
     }
 
@@ -123,6 +146,7 @@ impl Primitive {
             Shape::Hyperboloid { axes } => sheet::hyperboloid_support(*axes * direction),
             Shape::Paraboloid { axes } => sheet::paraboloid_support(*axes * direction),
             Shape::Quadric(quadric) => quadric.support(direction),
+            Shape::Segment(cone) => cone.support(direction),
         }
     }
 
@@ -166,6 +190,7 @@ impl Primitive {
             Shape::Paraboloid { axes } => {
                 Chord::of_span(sheet::paraboloid(origin / axes, direction / axes, from.is_some())?)
             }
+            Shape::Segment(cone) => cone.chord(ray, from),
             Shape::Triangle | Shape::Torus { .. } | Shape::Quadric(_) => None,
         }
     }
@@ -214,6 +239,7 @@ impl Primitive {
             Shape::Hyperboloid { axes } => unit(sheet::hyperboloid_gradient(point / axes) / axes),
             Shape::Paraboloid { axes } => unit(sheet::paraboloid_gradient(point / axes) / axes),
             Shape::Quadric(quadric) => quadric.normal(point),
+            Shape::Segment(cone) => cone.normal(point, face),
         }
     }
 }

@@ -6,12 +6,13 @@
 
 use glam::DAffine3;
 
-use super::Route;
 use super::liveness::{Live, Liveness};
+use super::{Route, shapes};
+use crate::derive::Placed;
 use crate::eval::{Env, Machine, Path, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, SystemId, Value};
-use crate::geometry::Primitive;
+use crate::geometry::{Part, Primitive};
 use crate::limits::Limits;
 
 /// Where a derivation stands: two states that are equal stand for the same solid.
@@ -262,6 +263,12 @@ impl Walk<'_, '_> {
                     let state = self.expander.state(Entry::System(call.system), &env);
                     return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
                 }
+                Node::Shape(shape) => {
+                    let Expander { seed, limits, .. } = self.expander;
+                    let env = here.env.clone();
+                    let mut taker = InGroup { walk: self, group, here: &here };
+                    return shapes::parts(graph, *shape, &env, *seed, limits, &mut taker);
+                }
             }
         }
     }
@@ -287,6 +294,37 @@ impl Walk<'_, '_> {
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
         let Here { group_from_here: group_from_item, material, route, .. } = *here;
         group.items.push(Item { group_from_item, material, route, solid });
+        Ok(())
+    }
+}
+
+/// Takes the parts of a shape into a group.
+struct InGroup<'w, 'e, 's> {
+    walk: &'w mut Walk<'e, 's>,
+    group: &'w mut Group,
+    here: &'w Here,
+}
+
+impl shapes::Taker for InGroup<'_, '_, '_> {
+    fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
+        let (system_from_frame, route) = shapes::way(&placed);
+        let inner = Here {
+            group_from_here: self.here.group_from_here * system_from_frame,
+            material: placed.material.or(self.here.material),
+            route: self.here.route.then(route),
+            env: placed.env.clone(),
+        };
+        self.walk.add(self.group, placed.solid, inner)
+    }
+
+    fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        // Segments have a limit of their own.
+        self.group.items.push(Item {
+            group_from_item: self.here.group_from_here * part.stem_from_part,
+            material: part.material.or(self.here.material),
+            route: self.here.route.then(route),
+            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
+        });
         Ok(())
     }
 }

@@ -5,7 +5,7 @@
 //! values have few states, however deep they go.
 
 use crate::form::{
-    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Slot, SystemCall, SystemId,
+    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Shape, Slot, Stride, SystemCall, SystemId,
 };
 
 /// What is live somewhere.
@@ -107,6 +107,7 @@ impl Liveness {
             Node::Difference(first, others) => joined(all(others), at(first)),
             Node::Call(call) => self.call_reads(graph, functions, call),
             Node::System(call) => self.system_reads(graph, functions, call),
+            Node::Shape(shape) => shape_reads(graph.shape(*shape), functions, at),
         }
     }
 
@@ -146,6 +147,20 @@ fn select_reads<'a>(select: &Select, functions: &[Live], at: impl Fn(NodeId) -> 
         rule.guard.iter().chain(&rule.weight).for_each(|it| live.add(&reads(it, functions).0));
         live.add(at(rule.body));
     }
+    live
+}
+
+/// What a shape reads. What it assigns before reading it is counted too, which does no harm: nobody else gives that a value.
+fn shape_reads<'a>(shape: &Shape, functions: &[Live], at: impl Fn(&NodeId) -> &'a Live) -> Live {
+    let mut live = Live::default();
+    live.path = shape.modules.iter().any(|it| matches!(it.choice, Choice::Weighted(_)));
+    for walk in shape.walks() {
+        walk.visit(&mut |stride| match stride {
+            Stride::Place { solid, .. } => live.add(at(solid)),
+            _ => stride.code().iter().for_each(|it| live.add(&reads(it.0, functions).0)),
+        });
+    }
+    shape.selections().for_each(|it| live.add(&reads(it, functions).0));
     live
 }
 

@@ -8,6 +8,7 @@ mod expand;
 mod liveness;
 pub mod reference;
 mod route;
+mod shapes;
 
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
 pub use route::Route;

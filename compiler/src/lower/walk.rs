@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use treegen_runtime::eval::Formula;
 use treegen_runtime::form::{self, Bracket, Choice, Node, NodeId, Origin, Shape, ShapeId, Slot, Stride, Walk};
 
 use super::{Lowering, origin};
@@ -63,8 +64,8 @@ impl Lowering<'_> {
                 // The checker lets no other number through.
                 priority: rule.priority.and_then(|it| i32::try_from(it).ok()).unwrap_or(0),
                 appends: rule.appends,
-                guard: rule.guard.as_ref().map(|it| self.value_of(it)),
-                weight: rule.weight.as_ref().map(|it| self.value_of(it)),
+                guard: rule.guard.as_ref().map(|it| self.value_of(it).into()),
+                weight: rule.weight.as_ref().map(|it| self.value_of(it).into()),
                 body: self.walk_of(module.system, state, modules, &rule.body),
                 origin: origin(rule.span),
             })
@@ -104,10 +105,10 @@ impl Lowering<'_> {
             Term::Word(word, args, span) => {
                 let at = origin(*span);
                 match word {
-                    WalkWord::Toward => Some(Stride::Toward { code: self.toward(args), origin: at }),
+                    WalkWord::Toward => Some(Stride::Toward { code: self.toward(args).into(), origin: at }),
                     WalkWord::Segment => {
                         body.laid += 1;
-                        Some(Stride::Segment { code: self.values_of(args), number: body.laid, origin: at })
+                        Some(Stride::Segment { code: self.values_of(args).into(), number: body.laid, origin: at })
                     }
                     // Hulls cannot be drawn yet, which was reported.
                     WalkWord::Normal => None,
@@ -134,11 +135,11 @@ impl Lowering<'_> {
         match &prefix.kind {
             PrefixKind::Transform { kind, args, flat } => {
                 let groups = builtin::TRANSFORMS.iter().find(|it| it.kind == *kind).map_or(&[][..], |it| it.groups);
-                Some(Stride::Transform { kind: *kind, code: self.numbers(args, groups, *flat), origin: at })
+                Some(Stride::Transform { kind: *kind, code: self.numbers(args, groups, *flat).into(), origin: at })
             }
             PrefixKind::Paint(material) => Some(Stride::Paint(self.material_id(*material))),
-            PrefixKind::Calc(steps) => Some(Stride::Calc(self.steps(steps))),
-            PrefixKind::Variant(count) => Some(Stride::Variant { count: self.value_of(count), origin: at }),
+            PrefixKind::Calc(steps) => Some(Stride::Calc(self.steps(steps).into())),
+            PrefixKind::Variant(count) => Some(Stride::Variant { count: self.value_of(count).into(), origin: at }),
             PrefixKind::Error | PrefixKind::Later(_) => None,
         }
     }
@@ -150,12 +151,12 @@ impl Lowering<'_> {
             SolidKind::Nothing => None,
             SolidKind::Module { module, args, place } => Some(Stride::Module {
                 module: body.modules.id(*module),
-                args: self.values_of(args),
+                args: self.values_of(args).into(),
                 place: *place,
                 origin: at,
             }),
             SolidKind::Repeat { count, index, body: inner } if is_walk(inner) => Some(Stride::Repeat {
-                count: self.value_of(count),
+                count: self.value_of(count).into(),
                 index: Slot(*index as u16),
                 body: self.walk(body, inner),
                 origin: at,
@@ -176,12 +177,12 @@ impl Lowering<'_> {
         branches: &[(Expr, Solid)],
         otherwise: Option<&Solid>,
     ) -> Option<Stride> {
-        let mut walks: Vec<(form::Code, Walk)> = Vec::new();
+        let mut walks: Vec<(Formula, Walk)> = Vec::new();
         for (condition, then) in branches {
-            walks.push((self.value_of(condition), self.walk(body, then)));
+            walks.push((self.value_of(condition).into(), self.walk(body, then)));
         }
         let last = otherwise.map(|it| self.walk(body, it)).unwrap_or_default();
-        let nest = |otherwise: Walk, (condition, then): (form::Code, Walk)| Walk {
+        let nest = |otherwise: Walk, (condition, then): (Formula, Walk)| Walk {
             strides: vec![Stride::Choice { condition, then, otherwise }],
         };
         walks.into_iter().rev().fold(last, nest).strides.into_iter().next()

@@ -7,6 +7,8 @@
 //! paint and its path. So the order of the derivation decides nothing but where one that is stopped stands.
 
 mod frame;
+mod packed;
+mod queue;
 mod record;
 mod select;
 mod trail;
@@ -19,11 +21,11 @@ use glam::DAffine3;
 
 use self::frame::Frame;
 use self::trail::Ancestry;
-use self::waiting::{Laid, Ticket, Waiting};
+use self::waiting::{Done, Ticket, Waiting};
 use self::walker::Here;
-use crate::eval::{Env, Machine, mix};
+use crate::eval::{Env, Machine};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Choice, Graph, MaterialId, NodeId, Origin, SegmentList, Shape, ShapeId, Walk};
+use crate::form::{Choice, Graph, MaterialId, NodeId, Origin, SegmentList, Shape, ShapeId, Value, Walk};
 use crate::limits::Limits;
 
 /// Someone who is told what happens in a derivation besides segments.
@@ -34,8 +36,20 @@ pub trait Watcher {
     /// A fault, which ends the derivation.
     fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault>;
 
-    /// A rule was applied, or the start was walked; it has numbers and values only for those who ask.
-    fn applied(&mut self, step: Step<'_>);
+    /// A rule was applied, or the start was walked. `values` gives the module's values by number: its parameters, then the state.
+    fn applied(&mut self, shape: &Shape, step: &Step, values: &dyn Fn(usize) -> Value);
+}
+
+/// Someone who takes no notice.
+#[derive(Clone, Copy, Debug)]
+pub struct Nobody;
+
+impl Watcher for Nobody {
+    fn placed(&mut self, _placed: Placed<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn applied(&mut self, _shape: &Shape, _step: &Step, _values: &dyn Fn(usize) -> Value) {}
 }
 
 /// A solid that a walk placed.
@@ -55,11 +69,9 @@ pub struct Placed<'d> {
     pub origin: Origin,
 }
 
-/// One step of a derivation.
-#[derive(Debug)]
-pub struct Step<'d> {
-    /// The shape.
-    pub shape: &'d Shape,
+/// One step of a derivation: a rule that was applied, or the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
     /// The module's number in the order of being laid down; none for the start.
     pub number: Option<u32>,
     /// The numbers of the modules that it laid down.
@@ -68,31 +80,42 @@ pub struct Step<'d> {
     pub segments: u32,
     /// How many solids it placed.
     pub solids: u32,
-    /// The module and its rule, each by number; none for the start.
+    /// The module and its rule, each by number in the shape; none for the start.
     pub rule: Option<(usize, usize)>,
-    /// The module's values: its parameters, then the state.
-    pub values: &'d [crate::form::Value],
 }
 
-/// Derives a shape in the environment of its system.
-///
-/// # Errors
-/// A fault in an expression, or a limit, with the modules that led there.
-pub fn derive(
-    graph: &Graph,
-    shape: ShapeId,
-    env: &Env,
-    seed: u64,
-    limits: &Limits,
-    watcher: &mut impl Watcher,
-) -> Result<SegmentList, Fault> {
-    let machine = Machine::new(graph.functions(), seed, limits);
-    let mut derivation = Derivation::new(graph, graph.shape(shape), env, machine, watcher);
-    derivation.start()?;
-    while let Some((ticket, laid)) = derivation.next()? {
-        derivation.apply(ticket, laid)?;
+/// Derives the shapes of a graph. It keeps its memory from one derivation to the next, so one for each thread is meant.
+#[derive(Debug)]
+pub struct Deriver<'g> {
+    graph: &'g Graph,
+    machine: Machine<'g>,
+    waiting: Waiting,
+    ancestry: Ancestry,
+    /// How many segments and stems the last derivation left.
+    left: [usize; 2],
+}
+
+impl<'g> Deriver<'g> {
+    /// A deriver for a graph, whose draws depend on the seed.
+    pub fn new(graph: &'g Graph, seed: u64, limits: &Limits) -> Self {
+        let machine = Machine::new(graph.functions(), seed, limits);
+        Self { graph, machine, waiting: Waiting::default(), ancestry: Ancestry::default(), left: [0; 2] }
     }
-    Ok(derivation.list)
+
+    /// Derives a shape in the environment of its system.
+    ///
+    /// # Errors
+    /// A fault in an expression, or a limit, with the modules that led there.
+    pub fn derive(&mut self, shape: ShapeId, env: &Env, watcher: &mut impl Watcher) -> Result<SegmentList, Fault> {
+        let mut derivation = Derivation::new(self, shape, env, watcher);
+        derivation.start()?;
+        while let Some(ticket) = derivation.next()? {
+            derivation.apply(ticket)?;
+        }
+        let list = derivation.list;
+        self.left = [list.len(), list.stems().len()];
+        Ok(list)
+    }
 }
 
 /// A derivation under way.
@@ -100,19 +123,23 @@ struct Derivation<'d, 'g, W> {
     graph: &'g Graph,
     shape: &'g Shape,
     /// For each module, its rules by priority.
-    orders: Vec<Vec<usize>>,
-    machine: Machine<'g>,
+    orders: Vec<Vec<u32>>,
+    machine: &'d mut Machine<'g>,
     env: Env,
-    waiting: Waiting,
+    waiting: &'d mut Waiting,
     /// Modules laid down by the walk that is being taken; their rules are chosen when it is over.
     fresh: Vec<Ticket>,
-    ancestry: Ancestry,
+    ancestry: &'d mut Ancestry,
     list: SegmentList,
     watcher: &'d mut W,
+    /// Arguments on their way into a module.
+    args: Vec<Value>,
     /// Rules applied so far.
     rules: u64,
     /// Strides taken so far.
     strides: u64,
+    /// Operations of the machine before.
+    operations: u64,
     /// Copies that the walk may still make.
     copies: u32,
     /// Solids placed so far.
@@ -120,11 +147,15 @@ struct Derivation<'d, 'g, W> {
 }
 
 impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
-    fn new(graph: &'g Graph, shape: &'g Shape, env: &Env, machine: Machine<'g>, watcher: &'d mut W) -> Self {
+    fn new(deriver: &'d mut Deriver<'g>, shape: ShapeId, env: &Env, watcher: &'d mut W) -> Self {
+        let Deriver { graph, machine, waiting, ancestry, left } = deriver;
+        let shape = graph.shape(shape);
         let most_params = shape.modules.iter().map(|it| it.params.len()).max().unwrap_or(0);
+        waiting.reset(most_params + shape.state.len(), machine.limits().modules);
+        ancestry.reset();
         let orders = shape.modules.iter().map(|module| {
-            let mut order: Vec<usize> = (0..module.rules.len()).collect();
-            order.sort_by_key(|it| module.rules[*it].priority);
+            let mut order: Vec<u32> = (0..module.rules.len() as u32).collect();
+            order.sort_by_key(|it| module.rules[*it as usize].priority);
             order
         });
         Self {
@@ -132,12 +163,15 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
             shape,
             orders: orders.collect(),
             env: env.clone(),
-            waiting: Waiting::new(most_params + shape.state.len(), machine.limits().modules),
+            waiting,
+            operations: machine.operations(),
             machine,
             fresh: Vec::new(),
-            ancestry: Ancestry::default(),
-            list: SegmentList::default(),
+            ancestry,
+            // Derivations of one shape are much alike.
+            list: SegmentList::with_room(left[0], left[1]),
             watcher,
+            args: vec![Value::Number(0.0); most_params],
             rules: 0,
             strides: 0,
             copies: 0,
@@ -153,38 +187,41 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
     }
 
     /// The module that a rule is applied to next; `None` when the derivation is over.
-    fn next(&mut self) -> Result<Option<(Ticket, Laid)>, Fault> {
+    fn next(&mut self) -> Result<Option<Ticket>, Fault> {
         if self.graph.stops_after().is_some_and(|it| self.rules >= it) {
             return Ok(None);
         }
-        let Some((ticket, laid)) = self.waiting.next() else {
+        let Some(ticket) = self.waiting.next() else {
             return Ok(None);
         };
-        let most = self.machine.limits().rules;
-        if self.rules >= u64::from(most) {
-            let origin = self.shape.modules[laid.module.0 as usize].rules[laid.rule].origin;
-            return Err(self.led_to(laid.number, ticket, limit(Limit::Rules, u64::from(most), origin)));
+        let most = u64::from(self.machine.limits().rules);
+        if self.rules >= most {
+            let laid = self.waiting.get(ticket);
+            let origin = self.shape.modules[laid.module.0 as usize].rules[laid.rule as usize].origin;
+            return Err(self.led_to(ticket, limit(Limit::Rules, most, origin)));
         }
         self.rules += 1;
-        Ok(Some((ticket, laid)))
+        Ok(Some(ticket))
     }
 
     /// Applies the rule of a module.
-    fn apply(&mut self, ticket: Ticket, mut laid: Laid) -> Result<(), Fault> {
-        self.see(ticket, &laid);
-        let rule = &self.shape.modules[laid.module.0 as usize].rules[laid.rule];
+    fn apply(&mut self, ticket: Ticket) -> Result<(), Fault> {
+        self.see(ticket);
+        let laid = self.waiting.get(ticket);
+        let (module, number) = (laid.module.0 as usize, laid.rule);
+        let rule = &self.shape.modules[module].rules[number as usize];
         let ground = Ground {
             number: Some(laid.number),
             // Rules of one module lead to different stems, though they may be written alike.
-            route: mix(laid.route, laid.rule as u64),
+            route: onwards(laid.route, u64::from(number)),
             priority: rule.priority,
             depth: laid.depth,
         };
         let here = Here::new(laid.frame.clone(), laid.material, laid.end);
-        self.step(&rule.body, ground, here, Some((ticket, laid.module.0 as usize, laid.rule)))?;
+        self.step(&rule.body, ground, here, Some((ticket, module, number as usize)))?;
         if rule.appends {
-            laid.done.push(laid.rule);
-            self.enlist(ticket, laid)
+            self.leave(ticket, number);
+            self.enlist(ticket)
         } else {
             self.waiting.forget(ticket);
             Ok(())
@@ -201,63 +238,71 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
     ) -> Result<(), Fault> {
         let (first, segments, solids) = (self.ancestry.count(), self.list.len(), self.solids);
         self.copies = self.machine.limits().repeat;
-        if let Err(fault) = self.walk(walk, &ground, &mut here) {
-            return Err(match (ground.number, &rule) {
-                (Some(number), Some((ticket, ..))) => self.led_to(number, *ticket, fault),
-                _ => fault,
-            });
+        self.walk(walk, &ground, &mut here).map_err(|fault| match &rule {
+            Some((ticket, ..)) => self.led_to(*ticket, fault),
+            None => fault,
+        })?;
+        for number in 0..self.fresh.len() {
+            self.enlist(self.fresh[number])?;
         }
-        let fresh = std::mem::take(&mut self.fresh);
-        for ticket in &fresh {
-            if let Some(laid) = self.waiting.take(*ticket) {
-                self.enlist(*ticket, laid)?;
-            }
-        }
-        self.fresh = fresh;
         self.fresh.clear();
-        self.watcher.applied(Step {
-            shape: self.shape,
+        let step = Step {
             number: ground.number,
             laid: first..self.ancestry.count(),
             segments: (self.list.len() - segments) as u32,
             solids: self.solids - solids,
             rule: rule.map(|it| (it.1, it.2)),
-            values: rule.map_or(&[], |it| self.waiting.values(it.0)),
-        });
+        };
+        let values = |number: usize| rule.map_or(Value::Number(0.0), |it| self.waiting.value(it.0, number));
+        self.watcher.applied(self.shape, &step, &values);
         Ok(())
     }
 
     /// Lets a module wait for the rule that applies to it next; if none does it has stopped growing.
-    fn enlist(&mut self, ticket: Ticket, mut laid: Laid) -> Result<(), Fault> {
+    fn enlist(&mut self, ticket: Ticket) -> Result<(), Fault> {
+        let laid = self.waiting.get(ticket);
         let module = &self.shape.modules[laid.module.0 as usize];
         // Most modules have one rule that always applies.
-        let is_plain = module.rules.len() == 1 && module.rules[0].guard.is_none();
-        let chosen = if is_plain && laid.done.is_empty() && !matches!(module.choice, Choice::Function(_)) {
+        let is_plain = module.rules.len() == 1 && module.rules[0].guard.is_none() && matches!(laid.done, Done::None);
+        let chosen = if is_plain && module.choice == Choice::First {
             Some(0)
         } else {
-            self.see(ticket, &laid);
-            self.choose(&laid).map_err(|it| self.led_to(laid.number, ticket, it))?
+            self.see(ticket);
+            self.choose(ticket).map_err(|it| self.led_to(ticket, it))?
         };
         match chosen {
-            Some(rule) => {
-                laid.rule = rule;
-                self.waiting.put_back(ticket, laid, module.rules[rule].priority);
-            }
+            Some(rule) => self.waiting.wait(ticket, rule, module.rules[rule as usize].priority),
             None => self.waiting.forget(ticket),
         }
         Ok(())
     }
 
+    /// Takes note that a rule was applied to a module and left it there.
+    fn leave(&mut self, ticket: Ticket, rule: u32) {
+        let laid = self.waiting.get_mut(ticket);
+        let is_ordered = self.shape.modules[laid.module.0 as usize].choice == Choice::First;
+        match &mut laid.done {
+            Done::All(done) => done.push(rule),
+            done if is_ordered => *done = Done::Last(rule),
+            done => *done = Done::All(Box::new(vec![rule])),
+        }
+    }
+
     /// Makes expressions see what a module took along.
-    fn see(&mut self, ticket: Ticket, laid: &Laid) {
+    fn see(&mut self, ticket: Ticket) {
+        let laid = self.waiting.get(ticket);
         let params = &self.shape.modules[laid.module.0 as usize].params;
-        let slots = params.iter().chain(&self.shape.state);
-        for (slot, value) in slots.zip(self.waiting.values(ticket)) {
-            self.env.slots[usize::from(slot.0)] = value.clone();
+        for (number, slot) in params.iter().chain(&self.shape.state).enumerate() {
+            self.waiting.put_value(ticket, number, &mut self.env.slots[usize::from(slot.0)]);
         }
         self.env.path = laid.path;
         self.env.turn = 0;
     }
+}
+
+/// A hash of a route that goes on by a step.
+fn onwards(route: u64, step: u64) -> u64 {
+    (route ^ step).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
 }
 
 /// What holds for a whole walk.

@@ -2,7 +2,7 @@
 
 use super::{Placed, Step, Watcher};
 use crate::fault::Fault;
-use crate::form::Value;
+use crate::form::{Shape, Value};
 
 /// Writes down what happens in a derivation.
 #[derive(Clone, Debug, Default)]
@@ -13,20 +13,12 @@ pub struct Recorder {
     pub left_out: u64,
 }
 
-/// One step of a derivation: a rule that was applied.
+/// One step of a derivation, with the module's values: its parameters, then the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Applied {
-    /// The module's number in the order of being laid down; none for the start.
-    pub number: Option<u32>,
-    /// The numbers of the modules that it laid down.
-    pub laid: std::ops::Range<u32>,
-    /// How many segments it laid.
-    pub segments: u32,
-    /// How many solids it placed.
-    pub solids: u32,
-    /// The module and its rule, each by number in the shape; none for the start.
-    pub rule: Option<(usize, usize)>,
-    /// The module's values: its parameters, then the state.
+    /// The step.
+    pub step: Step,
+    /// The values; none for the start.
     pub values: Vec<Value>,
 }
 
@@ -38,19 +30,12 @@ impl Watcher for Recorder {
         Ok(())
     }
 
-    fn applied(&mut self, step: Step<'_>) {
+    fn applied(&mut self, shape: &Shape, step: &Step, values: &dyn Fn(usize) -> Value) {
         if self.steps.len() >= MOST_STEPS {
             self.left_out += 1;
             return;
         }
-        let count = step.rule.map_or(0, |it| step.shape.modules[it.0].params.len() + step.shape.state.len());
-        self.steps.push(Applied {
-            number: step.number,
-            laid: step.laid,
-            segments: step.segments,
-            solids: step.solids,
-            rule: step.rule,
-            values: step.values.iter().take(count).cloned().collect(),
-        });
+        let count = step.rule.map_or(0, |it| shape.modules[it.0].params.len() + shape.state.len());
+        self.steps.push(Applied { step: step.clone(), values: (0..count).map(values).collect() });
     }
 }

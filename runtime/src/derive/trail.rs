@@ -22,6 +22,11 @@ struct Ancestor {
 const TOLD: usize = 16;
 
 impl Ancestry {
+    /// Forgets everything.
+    pub(super) fn reset(&mut self) {
+        self.modules.clear();
+    }
+
     /// Takes note of a module, and gives it the next number.
     pub(super) fn add(&mut self, parent: Option<u32>, module: ModuleId, origin: Origin) -> u32 {
         self.modules.push(Ancestor { parent, module, origin });
@@ -40,7 +45,8 @@ impl Ancestry {
 
 impl<W: Watcher> Derivation<'_, '_, W> {
     /// A fault in the rule of a module, or in choosing it, with the way there.
-    pub(super) fn led_to(&self, number: u32, ticket: Ticket, fault: Fault) -> Fault {
+    pub(super) fn led_to(&self, ticket: Ticket, fault: Fault) -> Fault {
+        let number = self.waiting.get(ticket).number;
         let inner = self.trail_step(number, Some(ticket));
         let way: Vec<u32> =
             std::iter::successors(self.ancestry.parent(number), |it| self.ancestry.parent(*it)).collect();
@@ -56,8 +62,8 @@ impl<W: Watcher> Derivation<'_, '_, W> {
         let module = &self.shape.modules[ancestor.module.0 as usize];
         let names = &self.graph.system(self.shape.system).slots;
         let name = |slot: &crate::form::Slot| names.get(usize::from(slot.0)).cloned().unwrap_or_default();
-        let values = ticket.map_or(&[][..], |it| self.waiting.values(it));
-        let values = module.params.iter().zip(values).map(|(slot, value)| (name(slot), value.clone())).collect();
+        let value = |(number, slot)| Some((name(slot), self.waiting.value(ticket?, number)));
+        let values = module.params.iter().enumerate().filter_map(value).collect();
         TrailStep { name: module.name.clone(), values, origin: ancestor.origin }
     }
 }

@@ -1,49 +1,55 @@
 //! The modules that were laid down and have a rule that is still to be applied, in the order of the derivation.
-//!
-//! The one whose rule has the smallest priority number comes first, among those the oldest (B08's modified breadth-first order).
-
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 use super::frame::Frame;
+use super::packed::Table;
+use super::queue::Queue;
 use crate::eval::Path;
 use crate::form::{MaterialId, ModuleId, StemEnd, Value};
 
 /// A module that was laid down: all that decides what becomes of it, but its values.
 #[derive(Clone, Debug)]
 pub(super) struct Laid {
-    pub(super) module: ModuleId,
     pub(super) frame: Frame,
-    pub(super) material: Option<MaterialId>,
     pub(super) path: Path,
     pub(super) route: u64,
+    pub(super) material: Option<MaterialId>,
     /// The end of the stem that it may carry on.
     pub(super) end: Option<StemEnd>,
-    /// Which rule is to be applied to it next.
-    pub(super) rule: usize,
-    /// The rules that were applied to it and left it there.
-    pub(super) done: Vec<usize>,
+    pub(super) module: ModuleId,
     /// Its number in the order of being laid down.
     pub(super) number: u32,
     /// How many modules inside one another led to it.
     pub(super) depth: u32,
+    /// Which rule is to be applied to it next.
+    pub(super) rule: u32,
+    /// The rules that were applied to it and left it there.
+    pub(super) done: Done,
+}
+
+/// Rules that were applied to a module and left it there.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Done {
+    /// None yet.
+    #[default]
+    None,
+    /// One, the last of some that are passed over by the order in which rules are tried.
+    Last(u32),
+    /// These, the last one last.
+    All(Box<Vec<u32>>),
 }
 
 /// Names a module that waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ticket(u32);
 
-/// The modules that wait, with their values.
-#[derive(Debug)]
+/// The modules that wait, with their values: the parameters of each, then the state.
+#[derive(Debug, Default)]
 pub(super) struct Waiting {
-    modules: Vec<Option<Laid>>,
-    /// The values of each: its parameters, then the state.
-    values: Vec<Value>,
-    /// How many values each has at most.
-    stride: usize,
+    modules: Vec<Laid>,
+    values: Table,
+    /// Places whose modules are gone.
     free: Vec<Ticket>,
-    /// By priority, then age: the number in the order of being laid down.
-    next: BinaryHeap<Reverse<(i32, u32, u32)>>,
+    next: Queue,
     most: usize,
 }
 
@@ -51,11 +57,14 @@ pub(super) struct Waiting {
 const MOST_BYTES: usize = 256 << 20;
 
 impl Waiting {
-    /// A list for modules with so many values each; it has room for `most`, or for as many as fit into its memory.
-    pub(super) fn new(stride: usize, most: u32) -> Self {
-        let bytes = size_of::<Option<Laid>>() + stride * size_of::<Value>();
-        let most = (most as usize).min(MOST_BYTES / bytes).max(1);
-        Self { modules: Vec::new(), values: Vec::new(), stride, free: Vec::new(), next: BinaryHeap::new(), most }
+    /// Forgets everything. From now on modules have so many values each, and there is room for `most`, or for as many as fit into the
+    /// memory that there is for them.
+    pub(super) fn reset(&mut self, values: usize, most: u32) {
+        self.modules.clear();
+        self.values.reset(values);
+        self.free.clear();
+        self.next.clear();
+        self.most = (most as usize).min(MOST_BYTES / (size_of::<Laid>() + values * size_of::<f64>())).max(1);
     }
 
     /// How many modules may wait.
@@ -63,49 +72,92 @@ impl Waiting {
         self.most
     }
 
-    /// Takes a module and its values in; `None` if there is no room.
-    pub(super) fn add(&mut self, laid: Laid, values: impl Iterator<Item = Value>) -> Option<Ticket> {
+    /// Takes a module in, with its values; `None` if there is no room.
+    pub(super) fn add<'v>(&mut self, laid: Laid, values: impl Iterator<Item = &'v Value>) -> Option<Ticket> {
         let ticket = match self.free.pop() {
-            Some(ticket) => ticket,
+            Some(ticket) => {
+                self.modules[ticket.0 as usize] = laid;
+                ticket
+            }
             None if self.modules.len() >= self.most => return None,
             None => {
-                self.modules.push(None);
-                self.values.resize(self.modules.len() * self.stride, Value::Number(0.0));
+                self.modules.push(laid);
+                self.values.grow(self.modules.len());
                 Ticket(self.modules.len() as u32 - 1)
             }
         };
-        for (place, value) in self.values[ticket.0 as usize * self.stride..].iter_mut().zip(values) {
-            *place = value;
-        }
-        self.modules[ticket.0 as usize] = Some(laid);
-        Some(ticket)
+        self.values.fill(ticket.0 as usize, values);
+        (self.values.others() <= MOST_BYTES / size_of::<Value>()).then_some(ticket)
     }
 
-    /// Takes a module out for a while; it keeps its place and its values.
-    pub(super) fn take(&mut self, ticket: Ticket) -> Option<Laid> {
-        self.modules[ticket.0 as usize].take()
+    /// A module that has not been forgotten.
+    pub(super) fn get(&self, ticket: Ticket) -> &Laid {
+        &self.modules[ticket.0 as usize]
     }
 
-    /// The values of a module.
-    pub(super) fn values(&self, ticket: Ticket) -> &[Value] {
-        &self.values[ticket.0 as usize * self.stride..][..self.stride]
+    /// The same, to be changed.
+    pub(super) fn get_mut(&mut self, ticket: Ticket) -> &mut Laid {
+        &mut self.modules[ticket.0 as usize]
     }
 
-    /// Puts a module back whose next rule has this priority.
-    pub(super) fn put_back(&mut self, ticket: Ticket, laid: Laid, priority: i32) {
-        self.next.push(Reverse((priority, laid.number, ticket.0)));
-        self.modules[ticket.0 as usize] = Some(laid);
+    /// One of the values of a module.
+    pub(super) fn value(&self, ticket: Ticket, number: usize) -> Value {
+        self.values.get(ticket.0 as usize, number)
     }
 
-    /// Forgets a module that was taken out.
+    /// Puts one of the values of a module into a slot.
+    #[inline]
+    pub(super) fn put_value(&self, ticket: Ticket, number: usize, slot: &mut Value) {
+        self.values.put(ticket.0 as usize, number, slot);
+    }
+
+    /// Lets a module wait for a rule of this priority.
+    pub(super) fn wait(&mut self, ticket: Ticket, rule: u32, priority: i32) {
+        let laid = self.get_mut(ticket);
+        laid.rule = rule;
+        let number = laid.number;
+        self.next.push(priority, number, ticket.0);
+    }
+
+    /// Forgets a module.
     pub(super) fn forget(&mut self, ticket: Ticket) {
         self.free.push(ticket);
     }
 
-    /// Takes out the module that comes next.
-    pub(super) fn next(&mut self) -> Option<(Ticket, Laid)> {
-        let Reverse((_, _, number)) = self.next.pop()?;
-        let ticket = Ticket(number);
-        self.take(ticket).map(|laid| (ticket, laid))
+    /// The module that comes next, which waits no longer.
+    pub(super) fn next(&mut self) -> Option<Ticket> {
+        self.next.pop().map(Ticket)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_room_for_so_many_and_forgetting_makes_room() {
+        let laid = Laid {
+            frame: Frame::START,
+            path: Path::default(),
+            route: 0,
+            material: None,
+            end: None,
+            module: ModuleId(0),
+            number: 0,
+            depth: 0,
+            rule: 0,
+            done: Done::None,
+        };
+        let mut waiting = Waiting::default();
+        waiting.reset(2, 1);
+        let values = [Value::Number(1.0), Value::Bool(true)];
+        let first = waiting.add(laid.clone(), values.iter()).expect("there is room for one");
+        assert_eq!(waiting.add(laid.clone(), values.iter()), None);
+        waiting.forget(first);
+        assert_eq!(waiting.add(laid, values.iter().rev()), Some(first));
+        assert_eq!(waiting.value(first, 0), Value::Bool(true));
+        // Values take room too.
+        waiting.reset(1_000_000, u32::MAX);
+        assert!(waiting.most() < 100);
     }
 }

@@ -1,14 +1,12 @@
 //! Walks, taken stride by stride.
 
-use smallvec::SmallVec;
-
 use super::frame::Frame;
-use super::waiting::Laid;
-use super::{Derivation, Ground, Placed, Watcher, limit};
-use crate::eval::{Path, mix};
+use super::waiting::{Done, Laid};
+use super::{Derivation, Ground, Placed, Watcher, limit, onwards};
+use crate::eval::{Formula, Path};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{
-    Bracket, Code, MaterialId, ModuleId, Origin, Segment, Slot, StemEnd, StemStart, Stride, TransformKind, Value, Walk,
+    Bracket, MaterialId, ModuleId, Origin, Segment, Slot, StemEnd, StemStart, Stride, TransformKind, Value, Walk,
 };
 
 /// Where a walk is.
@@ -38,10 +36,10 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
             match stride {
                 Stride::Transform { kind, code, origin } => self.transform(*kind, code, *origin, here)?,
                 Stride::Toward { code, origin } => self.turn_toward(code, *origin, here)?,
-                Stride::Calc(code) => self.machine.calculate(code, &mut self.env)?,
+                Stride::Calc(code) => self.machine.assign(code, &mut self.env)?,
                 Stride::Paint(material) => here.material = Some(*material),
                 Stride::Variant { count, origin } => {
-                    let count = self.machine.whole(count, &mut self.env, "variant", 1, *origin)?;
+                    let count = self.machine.count(count, &mut self.env, "variant", 1, *origin)?;
                     self.env.fold(count);
                 }
                 Stride::Segment { code, number, origin } => self.segment(code, *number, *origin, ground, here)?,
@@ -49,12 +47,13 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
                     self.lay(*module, args, *place, *origin, ground, here)?;
                 }
                 Stride::Place { solid, number, origin } => {
+                    sound(&here.frame, *origin)?;
                     self.solids += 1;
                     self.watcher.placed(Placed {
                         solid: *solid,
                         system_from_frame: here.frame.system_from_frame(),
                         material: here.material,
-                        route: mix(mix(ground.route, self.env.turn), u64::from(*number)),
+                        route: onwards(onwards(ground.route, self.env.turn), u64::from(*number)),
                         env: &self.env,
                         origin: *origin,
                     })?;
@@ -64,7 +63,7 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
                     self.repeat(count, *index, body, *origin, ground, here)?;
                 }
                 Stride::Choice { condition, then, otherwise } => {
-                    let truth = self.machine.truth(condition, &mut self.env)?;
+                    let truth = self.machine.holds(condition, &mut self.env)?;
                     self.walk(if truth { then } else { otherwise }, ground, here)?;
                 }
             }
@@ -75,41 +74,46 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
     /// Sees to it that the derivation has not taken more strides than it may.
     fn ask_for_strides(&self, walk: &Walk) -> Result<(), Fault> {
         let most = self.machine.limits().strides;
-        if self.strides + self.machine.operations() <= most {
+        if self.strides + self.machine.operations() - self.operations <= most {
             return Ok(());
         }
         let origins = walk.strides.iter().filter_map(|it| it.code()).flat_map(|it| it.0.origins.first());
         Err(limit(Limit::Strides, most, origins.copied().next().unwrap_or(Origin::NONE)))
     }
 
-    fn transform(&mut self, kind: TransformKind, code: &Code, origin: Origin, here: &mut Here) -> Result<(), Fault> {
-        let values = self.machine.numbers(code, &mut self.env, kind.name())?;
-        if !here.frame.transform(kind, &values) {
+    fn transform(&mut self, kind: TransformKind, code: &Formula, origin: Origin, here: &mut Here) -> Result<(), Fault> {
+        let mut values = [0.0; 12];
+        let count = self.machine.read(code, &mut self.env, kind.name(), &mut values)?;
+        let values = &values[..count];
+        if !here.frame.transform(kind, values) {
             return Err(Fault::new(FaultKind::Singular { kind, values: values.to_vec() }, origin));
         }
-        sound(&here.frame, origin)
+        Ok(())
     }
 
-    fn turn_toward(&mut self, code: &Code, origin: Origin, here: &mut Here) -> Result<(), Fault> {
-        let values = self.machine.numbers(code, &mut self.env, "toward")?;
-        let turned = match values.as_slice() {
-            [x, y, z, most] if *most >= 0.0 => here.frame.turn_toward(glam::DVec3::new(*x, *y, *z), *most),
-            _ => false,
-        };
-        if turned { Ok(()) } else { Err(Fault::new(FaultKind::Toward { values: values.to_vec() }, origin)) }
+    fn turn_toward(&mut self, code: &Formula, origin: Origin, here: &mut Here) -> Result<(), Fault> {
+        let mut values = [0.0; 4];
+        self.machine.read(code, &mut self.env, "toward", &mut values)?;
+        let [x, y, z, most] = values;
+        if most >= 0.0 && here.frame.turn_toward(glam::DVec3::new(x, y, z), most) {
+            Ok(())
+        } else {
+            Err(Fault::new(FaultKind::Toward { values: values.to_vec() }, origin))
+        }
     }
 
     fn segment(
         &mut self,
-        code: &Code,
+        code: &Formula,
         number: u32,
         origin: Origin,
         ground: &Ground,
         here: &mut Here,
     ) -> Result<(), Fault> {
-        let values = self.machine.numbers(code, &mut self.env, "segment")?;
-        let &[length, r0, r1] = values.as_slice() else { return Ok(()) };
-        if !values.iter().all(|it| *it >= 0.0 && it.is_finite()) {
+        let mut values = [0.0; 3];
+        self.machine.read(code, &mut self.env, "segment", &mut values)?;
+        let [length, r0, r1] = values;
+        if !(length >= 0.0 && r0 >= 0.0 && r1 >= 0.0 && (length + r0 + r1).is_finite()) {
             return Err(Fault::new(FaultKind::Segment { values: values.to_vec() }, origin));
         }
         let start = here.frame.position;
@@ -131,17 +135,13 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
             material: here.material,
             origin,
         };
-        let carried = match here.end {
-            Some(end) => self.list.carry_on(end, segment),
-            None => Err(segment),
+        let begin = || StemStart {
+            route: onwards(onwards(ground.route, self.env.turn), u64::from(number)),
+            priority: ground.priority,
+            depth: ground.depth,
+            across: here.frame.across(),
         };
-        let begin = |segment| {
-            let route = mix(mix(ground.route, self.env.turn), u64::from(number));
-            let across = here.frame.across();
-            let start = StemStart { route, priority: ground.priority, depth: ground.depth, across };
-            self.list.begin(start, segment)
-        };
-        here.end = Some(carried.unwrap_or_else(begin));
+        here.end = Some(self.list.lay(here.end, segment, begin));
         here.is_free = true;
         Ok(())
     }
@@ -150,42 +150,41 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
     fn lay(
         &mut self,
         module: ModuleId,
-        args: &Code,
+        args: &Formula,
         place: u64,
         origin: Origin,
         ground: &Ground,
         here: &mut Here,
     ) -> Result<(), Fault> {
-        let values = self.machine.run(args, &mut self.env)?;
+        sound(&here.frame, origin)?;
+        self.machine.find(args, &mut self.env, &mut self.args)?;
         let end = here.end.filter(|it| here.is_free && self.list.is_open(*it, here.frame.position));
         here.is_free &= end.is_none();
         let turn = self.env.turn;
         let laid = Laid {
-            module,
             frame: here.frame.clone(),
-            material: here.material,
             path: self.env.path.joined(place, turn),
-            route: mix(mix(ground.route, turn), place),
+            route: onwards(onwards(ground.route, turn), place),
+            material: here.material,
             end,
-            rule: 0,
-            done: Vec::new(),
+            module,
             number: self.ancestry.add(ground.number, module, origin),
             depth: ground.depth + 1,
+            rule: 0,
+            done: Done::None,
         };
-        let state = self.shape.state.iter().map(|it| self.env.slots[usize::from(it.0)].clone());
-        match self.waiting.add(laid, values.into_iter().chain(state)) {
-            Some(ticket) => {
-                self.fresh.push(ticket);
-                Ok(())
-            }
-            None => Err(limit(Limit::Modules, self.waiting.most() as u64, origin)),
-        }
+        let args = &self.args[..args.code().results.len()];
+        let state = self.shape.state.iter().map(|it| &self.env.slots[usize::from(it.0)]);
+        let Some(ticket) = self.waiting.add(laid, args.iter().chain(state)) else {
+            return Err(limit(Limit::Modules, self.waiting.most() as u64, origin));
+        };
+        self.fresh.push(ticket);
+        Ok(())
     }
 
     fn bracket(&mut self, bracket: &'g Bracket, ground: &Ground, here: &Here) -> Result<(), Fault> {
         let (path, turn): (Path, u64) = (self.env.path, self.env.turn);
-        let state: SmallVec<[Value; 4]> =
-            bracket.assigned().iter().map(|it| self.env.slots[usize::from(it.0)].clone()).collect();
+        let state = self.state(bracket.assigned());
         // What is laid between brackets carries on nothing outside.
         let mut inner = Here { end: None, is_free: true, frame: here.frame.clone(), material: here.material };
         self.walk(bracket.walk(), ground, &mut inner)?;
@@ -196,16 +195,25 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
         Ok(())
     }
 
+    /// The values of some slots.
+    #[inline]
+    fn state(&self, slots: &[Slot]) -> Vec<Value> {
+        if slots.is_empty() {
+            return Vec::new();
+        }
+        slots.iter().map(|it| self.env.slots[usize::from(it.0)].clone()).collect()
+    }
+
     fn repeat(
         &mut self,
-        count: &Code,
+        count: &Formula,
         index: Slot,
         body: &'g Walk,
         origin: Origin,
         ground: &Ground,
         here: &mut Here,
     ) -> Result<(), Fault> {
-        let count = self.machine.whole(count, &mut self.env, "repeat", 0, origin)?;
+        let count = self.machine.count(count, &mut self.env, "repeat", 0, origin)?;
         self.copies = self
             .copies
             .checked_sub(count)

@@ -3,12 +3,12 @@
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::operation::{self, Failure};
+use super::operation;
 use super::path::mix;
 use super::{Env, Machine, Path, angle};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{
-    Call, Choice, Code, Graph, Origin, PrimitiveKind, Select, Slot, System, SystemCall, TransformKind, Value,
+    Call, Choice, Code, Graph, Origin, PrimitiveKind, Reg, Select, Slot, System, SystemCall, TransformKind, Value,
 };
 
 /// The numbers a code gives.
@@ -33,25 +33,29 @@ impl Env {
 impl Machine<'_> {
     /// All results of a code, which are numbers.
     pub(crate) fn numbers(&mut self, code: &Code, env: &mut Env, operation: &'static str) -> Result<Numbers, Fault> {
-        let results = self.run(code, env)?;
-        let origin = code.origins.last().copied().unwrap_or(Origin::NONE);
-        results
-            .iter()
-            .map(|it| operation::number(it, operation))
-            .collect::<Result<_, Failure>>()
-            .map_err(|it| it.at(origin))
+        self.run_here(code, env)?;
+        code.results.iter().map(|it| self.number(code, *it, operation)).collect()
+    }
+
+    pub(super) fn number(&self, code: &Code, result: Reg, operation: &'static str) -> Result<f64, Fault> {
+        match self.result(result) {
+            Value::Number(number) => Ok(*number),
+            other => operation::number(other, operation).map_err(|it| it.at(last(code))),
+        }
     }
 
     /// The truth of a code's one result.
+    #[inline]
     pub(crate) fn truth(&mut self, code: &Code, env: &mut Env) -> Result<bool, Fault> {
-        let results = self.run(code, env)?;
-        let origin = code.origins.last().copied().unwrap_or(Origin::NONE);
-        results.first().map_or(Ok(false), |it| operation::truth(it).map_err(|it| it.at(origin)))
+        self.run_here(code, env)?;
+        let truth = |it: &Reg| operation::truth(self.result(*it)).map_err(|it| it.at(last(code)));
+        code.results.first().map_or(Ok(false), truth)
     }
 
     /// Goes below a C-node.
+    #[inline]
     pub(crate) fn calculate(&mut self, code: &Code, env: &mut Env) -> Result<(), Fault> {
-        self.run(code, env).map(|_| ())
+        self.run_here(code, env)
     }
 
     /// A whole number that is at least `least` and at most `most`.
@@ -64,14 +68,7 @@ impl Machine<'_> {
         origin: Origin,
     ) -> Result<u32, Fault> {
         let value = self.numbers(code, env, what)?.first().copied().unwrap_or(0.0);
-        let most = self.limits().repeat;
-        if value.fract() != 0.0 || value < f64::from(least) {
-            return Err(Fault::new(FaultKind::Whole { what, value, least: f64::from(least) }, origin));
-        }
-        if value > f64::from(most) {
-            return Err(Fault::new(FaultKind::Limit { limit: Limit::Repeat, most: u64::from(most) }, origin));
-        }
-        Ok(value as u32)
+        whole(value, what, least, self.limits().repeat, origin)
     }
 
     /// The matrix of a T-node: it maps points of the frame below to the frame above.
@@ -219,6 +216,23 @@ pub(crate) fn drawn(weights: &[(usize, f64)], uniform: f64) -> Option<usize> {
         }
     }
     chosen
+}
+
+/// The whole number that a value is: at least `least` and at most `most`.
+pub(super) fn whole(value: f64, what: &'static str, least: u32, most: u32, origin: Origin) -> Result<u32, Fault> {
+    let number = value as u32;
+    if f64::from(number) == value && (least..=most).contains(&number) {
+        return Ok(number);
+    }
+    if value.fract() != 0.0 || value < f64::from(least) {
+        return Err(Fault::new(FaultKind::Whole { what, value, least: f64::from(least) }, origin));
+    }
+    Err(Fault::new(FaultKind::Limit { limit: Limit::Repeat, most: u64::from(most) }, origin))
+}
+
+/// The place of the last operation of a code.
+fn last(code: &Code) -> Origin {
+    code.origins.last().copied().unwrap_or(Origin::NONE)
 }
 
 /// The step of a fault's trail that stands for an S-node in an environment.

@@ -50,8 +50,12 @@ pub struct Segment {
 #[derive(Clone, Debug, PartialEq)]
 struct Link {
     segment: Segment,
-    next: Option<u32>,
+    /// Its number, or [`NONE`].
+    next: u32,
 }
+
+/// The number of no segment.
+const NONE: u32 = u32::MAX;
 
 /// The end of a segment, where another one may carry on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,26 +78,31 @@ pub struct StemStart {
 }
 
 impl SegmentList {
-    /// Begins a stem with a segment.
-    pub fn begin(&mut self, start: StemStart, segment: Segment) -> StemEnd {
-        let StemStart { route, priority, depth, across } = start;
-        let first = self.push(segment);
-        self.stems.push(Stem { route, priority, depth, across, first, last: first, count: 1 });
-        StemEnd { stem: self.stems.len() as u32 - 1, segment: first }
+    /// An empty list with room for so many segments and stems.
+    pub fn with_room(segments: usize, stems: usize) -> Self {
+        Self { segments: Vec::with_capacity(segments), stems: Vec::with_capacity(stems) }
     }
 
-    /// Adds a segment to a stem, if it begins at this end of it and nothing else has carried on from there; otherwise gives it
-    /// back.
-    pub fn carry_on(&mut self, from: StemEnd, segment: Segment) -> Result<StemEnd, Segment> {
-        if !self.is_open(from, segment.start) {
-            return Err(segment);
+    /// Lays a segment. It carries on a stem if it begins at this end of it and nothing else has carried on from there; otherwise
+    /// it begins a new one.
+    pub fn lay(&mut self, from: Option<StemEnd>, segment: Segment, start: impl FnOnce() -> StemStart) -> StemEnd {
+        let number = self.segments.len() as u32;
+        let from = from.filter(|it| self.is_open(*it, segment.start));
+        self.segments.push(Link { segment, next: NONE });
+        match from {
+            Some(from) => {
+                self.segments[from.segment as usize].next = number;
+                let stem = &mut self.stems[from.stem as usize];
+                stem.last = number;
+                stem.count += 1;
+                StemEnd { stem: from.stem, segment: number }
+            }
+            None => {
+                let StemStart { route, priority, depth, across } = start();
+                self.stems.push(Stem { route, priority, depth, across, first: number, last: number, count: 1 });
+                StemEnd { stem: self.stems.len() as u32 - 1, segment: number }
+            }
         }
-        let number = self.push(segment);
-        self.segments[from.segment as usize].next = Some(number);
-        let stem = &mut self.stems[from.stem as usize];
-        stem.last = number;
-        stem.count += 1;
-        Ok(StemEnd { stem: from.stem, segment: number })
     }
 
     /// Whether an end is at this place, and nothing has carried on from there.
@@ -110,7 +119,7 @@ impl SegmentList {
     /// The segments of one of its stems, from the first on.
     pub fn segments(&self, stem: &Stem) -> impl Iterator<Item = &Segment> {
         let link = |number: u32| self.segments.get(number as usize);
-        let links = std::iter::successors(link(stem.first), move |it| it.next.and_then(link));
+        let links = std::iter::successors(link(stem.first), move |it| link(it.next));
         links.map(|it| &it.segment)
     }
 
@@ -122,11 +131,6 @@ impl SegmentList {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.segments.is_empty()
-    }
-
-    fn push(&mut self, segment: Segment) -> u32 {
-        self.segments.push(Link { segment, next: None });
-        self.segments.len() as u32 - 1
     }
 }
 

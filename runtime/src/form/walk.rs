@@ -4,6 +4,7 @@
 //! of the graph and modules of its own [`Shape`]; [`Graph`](super::Graph) checks that they are there.
 
 use super::{Choice, Code, MaterialId, NodeId, Origin, Slot, SystemId, TransformKind};
+use crate::eval::Formula;
 
 /// Names a shape of a [`Graph`](super::Graph).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -53,9 +54,9 @@ pub struct WalkRule {
     /// Whether its successor is added to the module (`+>`), which stays, and does not stand in its place.
     pub appends: bool,
     /// When it applies: one truth value. None: always.
-    pub guard: Option<Code>,
+    pub guard: Option<Formula>,
     /// Its weight: one number. None: 1.
-    pub weight: Option<Code>,
+    pub weight: Option<Formula>,
     /// Its successor.
     pub body: Walk,
     /// Its place in the text.
@@ -77,32 +78,32 @@ pub enum Stride {
         /// How.
         kind: TransformKind,
         /// The numbers of the transformation.
-        code: Code,
+        code: Formula,
         /// Its place in the text.
         origin: Origin,
     },
     /// Turns the frame's z towards a direction.
     Toward {
         /// The direction in the system's own space (x, y, z), and by how many degrees at most.
-        code: Code,
+        code: Formula,
         /// Its place in the text.
         origin: Origin,
     },
     /// Changes the state, or names values.
-    Calc(Code),
+    Calc(Formula),
     /// Sets the paint.
     Paint(MaterialId),
     /// Folds the path to so many values.
     Variant {
         /// How many: one whole number, at least 1.
-        count: Code,
+        count: Formula,
         /// Its place in the text.
         origin: Origin,
     },
     /// Lays a conical frustum along z, and moves to its end.
     Segment {
         /// Its length and its radii at both ends.
-        code: Code,
+        code: Formula,
         /// A number that tells it apart from the other segments of its walk.
         number: u32,
         /// Its place in the text.
@@ -113,7 +114,7 @@ pub enum Stride {
         /// Which.
         module: ModuleId,
         /// Its arguments, one for each parameter. All are found before any is bound.
-        args: Code,
+        args: Formula,
         /// The call's place, which joins the path.
         place: u64,
         /// Its place in the text.
@@ -133,7 +134,7 @@ pub enum Stride {
     /// A walk taken so many times, each time with its number in a slot. The number joins the place of draws and calls.
     Repeat {
         /// How many times: one whole number, at least 0.
-        count: Code,
+        count: Formula,
         /// Where each finds its number, from 0.
         index: Slot,
         /// What is repeated.
@@ -144,7 +145,7 @@ pub enum Stride {
     /// One of two walks, by a condition.
     Choice {
         /// The condition: one truth value.
-        condition: Code,
+        condition: Formula,
         /// The walk taken when it holds.
         then: Walk,
         /// The walk taken when it does not.
@@ -166,7 +167,7 @@ impl Bracket {
         let mut assigned = Vec::new();
         walk.visit(&mut |stride| {
             if let Stride::Calc(code) = stride {
-                assigned.extend(code.stores().filter(|it| state.contains(it)));
+                assigned.extend(code.code().stores().filter(|it| state.contains(it)));
             }
         });
         assigned.sort_unstable();
@@ -215,16 +216,17 @@ impl Walk {
 impl Stride {
     /// Its code, and how many results that must give if it is known. Not all strides have one.
     pub fn code(&self) -> Option<(&Code, Option<usize>)> {
-        match self {
-            Self::Transform { kind, code, .. } => Some((code, Some(kind.params()))),
-            Self::Toward { code, .. } => Some((code, Some(4))),
-            Self::Calc(code) => Some((code, None)),
-            Self::Segment { code, .. } => Some((code, Some(3))),
-            Self::Module { args, .. } => Some((args, None)),
-            Self::Variant { count, .. } | Self::Repeat { count, .. } => Some((count, Some(1))),
-            Self::Choice { condition, .. } => Some((condition, Some(1))),
-            Self::Paint(_) | Self::Place { .. } | Self::Bracket(_) => None,
-        }
+        let (formula, results) = match self {
+            Self::Transform { kind, code, .. } => (code, Some(kind.params())),
+            Self::Toward { code, .. } => (code, Some(4)),
+            Self::Calc(code) => (code, None),
+            Self::Segment { code, .. } => (code, Some(3)),
+            Self::Module { args, .. } => (args, None),
+            Self::Variant { count, .. } | Self::Repeat { count, .. } => (count, Some(1)),
+            Self::Choice { condition, .. } => (condition, Some(1)),
+            Self::Paint(_) | Self::Place { .. } | Self::Bracket(_) => return None,
+        };
+        Some((formula.code(), results))
     }
 }
 
@@ -251,7 +253,8 @@ impl Shape {
     pub fn selections(&self) -> impl Iterator<Item = &Code> {
         self.modules.iter().flat_map(|module| {
             let function = if let Choice::Function(code) = &module.choice { Some(code) } else { None };
-            function.into_iter().chain(module.rules.iter().flat_map(|it| it.guard.iter().chain(&it.weight)))
+            let rules = module.rules.iter().flat_map(|it| it.guard.iter().chain(&it.weight));
+            function.into_iter().chain(rules.map(Formula::code))
         })
     }
 }

@@ -28,7 +28,7 @@ impl Graph {
             self.check_walk_code(code, Some(1), system, module.origin)?;
         }
         for WalkRule { guard, weight, origin, .. } in &module.rules {
-            guard.iter().chain(weight).try_for_each(|it| self.check_walk_code(it, Some(1), system, *origin))?;
+            guard.iter().chain(weight).try_for_each(|it| self.check_walk_code(it.code(), Some(1), system, *origin))?;
         }
         Ok(())
     }
@@ -40,7 +40,7 @@ impl Graph {
         }
         match stride {
             Stride::Module { module, args, origin, .. } => match shape.modules.get(module.0 as usize) {
-                Some(module) if module.params.len() == args.results.len() => Ok(()),
+                Some(module) if module.params.len() == args.code().results.len() => Ok(()),
                 Some(_) => Err(GraphError::Results(*origin)),
                 None => Err(GraphError::Missing(*origin)),
             },

@@ -170,7 +170,7 @@ fn reads(code: &Code, functions: &[Live]) -> (Live, Vec<Slot>) {
     let mut written = Vec::new();
     for op in &code.ops {
         match op {
-            Op::Load(_, slot) if !written.contains(slot) => live.add_slot(*slot),
+            Op::Load(_, slot) | Op::Element(_, slot, _) if !written.contains(slot) => live.add_slot(*slot),
             Op::Store(slot, _) => written.push(*slot),
             Op::Draw { .. } => live.path = true,
             Op::Call { function, .. } => live.add(&functions[function.0 as usize].clone().without(&written)),

@@ -5,12 +5,14 @@
 
 pub mod cells;
 mod expand;
+mod find;
 mod liveness;
 pub mod reference;
 mod route;
 mod shapes;
 
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
+pub use find::{Derivable, find_shape};
 pub use route::Route;
 
 use smallvec::SmallVec;

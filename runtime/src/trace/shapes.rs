@@ -3,10 +3,10 @@
 use glam::DAffine3;
 
 use super::Route;
-use crate::derive::{Placed, Step, Watcher, derive};
+use crate::derive::{Deriver, Placed, Step, Watcher};
 use crate::eval::Env;
 use crate::fault::Fault;
-use crate::form::{Graph, ShapeId};
+use crate::form::{Graph, Shape, ShapeId, Value};
 use crate::geometry::{Joints, Part};
 use crate::limits::Limits;
 
@@ -28,7 +28,7 @@ pub(super) fn parts(
     limits: &Limits,
     taker: &mut impl Taker,
 ) -> Result<(), Fault> {
-    let list = derive(graph, shape, env, seed, limits, &mut Solids(taker))?;
+    let list = Deriver::new(graph, seed, limits).derive(shape, env, &mut Solids(taker))?;
     let mut joints = Joints::default();
     for stem in list.stems() {
         joints.fit(list.segments(stem));
@@ -56,5 +56,5 @@ impl<T: Taker> Watcher for Solids<'_, T> {
         self.0.placed(placed)
     }
 
-    fn applied(&mut self, _step: Step<'_>) {}
+    fn applied(&mut self, _shape: &Shape, _step: &Step, _values: &dyn Fn(usize) -> Value) {}
 }

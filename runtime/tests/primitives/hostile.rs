@@ -46,7 +46,7 @@ fn a_solid_keeps_its_kind() {
 
 #[test]
 fn numbers_that_make_no_sense_make_no_solid() {
-    let cases: [(PrimitiveKind, &[f64]); 13] = [
+    let cases: [(PrimitiveKind, &[f64]); 19] = [
         (PrimitiveKind::Cone, &[0.0, 0.0]),
         (PrimitiveKind::Cone, &[-1.0, 1.0]),
         (PrimitiveKind::Cone, &[1.0, -1.0]),
@@ -58,6 +58,14 @@ fn numbers_that_make_no_sense_make_no_solid() {
         (PrimitiveKind::Ellipsoid, &[1.0, 1.0, -1.0]),
         (PrimitiveKind::Hyperboloid, &[0.0, 1.0, 1.0]),
         (PrimitiveKind::Paraboloid, &[1.0, 0.0]),
+        // A cut that faces the wrong way, one that crosses the nappe only in part, one beyond the apex, two that cross each
+        // other inside, two the wrong way round, and no radius at all.
+        (PrimitiveKind::Segment, &[1.0, 0.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 1.0, 0.5]),
+        (PrimitiveKind::Segment, &[1.0, 1.0, 0.8, 0.0, -0.6, 0.5, 0.0, 0.0, 1.0, 0.5]),
+        (PrimitiveKind::Segment, &[1.0, -1.0, 0.0, 0.0, -1.0, 0.5, 0.0, 0.0, 1.0, 1.5]),
+        (PrimitiveKind::Segment, &[1.0, 0.0, 0.6, 0.0, -0.8, 0.5, 0.6, 0.0, 0.8, 0.5]),
+        (PrimitiveKind::Segment, &[1.0, 0.0, 0.0, 0.0, -1.0, -0.5, 0.0, 0.0, 1.0, -0.5]),
+        (PrimitiveKind::Segment, &[0.0, 0.0, 0.0, 0.0, -1.0, 0.5, 0.0, 0.0, 1.0, 0.5]),
         (PrimitiveKind::Quadric, &[0.0; 10]),
         (PrimitiveKind::Quadric, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0]),
     ];
@@ -118,6 +126,31 @@ fn solids_of_random_bits_break_nothing() {
         }
         assert!(made > 100, "{kind:?} {made}");
     }
+}
+
+#[test]
+fn segments_of_random_bits_break_nothing() {
+    let mut numbers = Numbers(73);
+    let mut made = 0;
+    for _ in 0..20_000 {
+        // One that is a segment, but for some of its numbers.
+        let mut params = [0.5, -0.25, 0.0, 0.0, -1.0, 0.5, 0.0, 0.0, 1.0, 0.5];
+        for _ in 0..2 {
+            params[(numbers.bits() % 10) as usize] = f64::from_bits(numbers.bits());
+        }
+        if let Some(primitive) = Primitive::new(PrimitiveKind::Segment, &params) {
+            made += 1;
+            let ray = numbers.ray();
+            for from in [None, Some(0), Some(1), Some(2)] {
+                check(&primitive, &ray, from);
+            }
+            let bounds = primitive.bounds();
+            assert!(!bounds.min.is_nan() && !bounds.max.is_nan(), "{primitive:?} {bounds:?}");
+            let texture = primitive.texture(ray.origin).expect("a segment has texture coordinates");
+            assert!((0.0..1.0).contains(&texture[0]) && (0.0..=1.0).contains(&texture[1]), "{params:?} {texture:?}");
+        }
+    }
+    assert!(made > 1_000, "{made}");
 }
 
 /// Whatever comes back is sorted and has no end that is not a number.

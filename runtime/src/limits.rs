@@ -43,7 +43,7 @@ impl Default for Limits {
             rules: 4_000_000,
             modules: 1_000_000,
             segments: 4_000_000,
-            strides: 500_000_000,
+            strides: 100_000_000,
             steps: 100_000_000,
             intervals: 4096,
             cell_bytes: 256 << 20,

@@ -17,7 +17,7 @@ pub struct Formula {
     program: Option<Program>,
 }
 
-/// A code of numbers, without loops, which assigns nothing until its end.
+/// A code of numbers, without loops, which assigns nothing until its end. It either assigns or has results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Program {
     /// What to do, in order. No register is read before it was written.
@@ -145,7 +145,8 @@ impl Writer {
             writer.program.results.push(place);
         }
         writer.land(&starts)?;
-        Some(writer.program)
+        // Whoever takes the results may still leave them to the code, and then nothing may have been assigned.
+        (writer.program.stores.is_empty() || writer.program.results.is_empty()).then_some(writer.program)
     }
 
     /// Takes into account what jumps to this operation.

@@ -11,6 +11,7 @@ use treegen_runtime::trace::cells::Culling as CullingMode;
 
 use crate::console::{self, Color, Console, shown, shown_text};
 use crate::exit::Exit;
+use crate::inspect::Inspect;
 
 /// More threads than any machine it is made for has; each takes 256 MiB of address space.
 const MAX_THREADS: i64 = 256;
@@ -25,6 +26,7 @@ Examples:
   treegen sierpinski.tg -o layers.exr                depth, normals, materials: for compositing
   treegen - -o - < sierpinski.tg | display           from a pipe into a pipe
   treegen check sierpinski.tg                        only look for mistakes
+  treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
 
 Exit codes:
   0  done: the picture is written whole
@@ -60,13 +62,15 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE --expand";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Look for mistakes without rendering
     Check(Check),
+    /// Show what a program stands for
+    Inspect(Inspect),
 }
 
 /// `treegen check FILE`.
@@ -99,6 +103,9 @@ pub struct Render {
     /// Rays a pixel to begin with; 1 is one ray through its centre, more makes edges smooth
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES), help_heading = "Picture")]
     pub samples: Option<u32>,
+    /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end, if it has one
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
+    pub detail: f64,
     /// What the program's parameters are.
     #[command(flatten)]
     pub program: Program,
@@ -200,6 +207,7 @@ fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
 fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     let program = match &cli.command {
         Some(Command::Check(check)) => &check.program,
+        Some(Command::Inspect(inspect)) => &inspect.program,
         None => &cli.render.program,
     };
     let mut names: Vec<&str> = program.set.iter().map(|it| it.name.as_str()).collect();
@@ -258,6 +266,14 @@ fn crop(text: &str) -> Result<Rect, String> {
 /// A whole number in digits; `u32::from_str` would take a `+`, too.
 fn whole(text: &str) -> Option<u32> {
     text.bytes().all(|it| it.is_ascii_digit()).then(|| text.parse().ok())?
+}
+
+/// A number of pixels.
+fn detail(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if (0.0..=1000.0).contains(&number) => Ok(number),
+        _ => Err("it takes a number from 0 to 1000".to_owned()),
+    }
 }
 
 fn seed(text: &str) -> Result<u64, String> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use treegen_compiler::{Compiled, Options, Problem, Sources, Vocabulary};
 use treegen_runtime::form::Scene;
-use treegen_runtime::{Fault, FaultKind, Limits};
+use treegen_runtime::{Fault, FaultKind, Limit, Limits};
 
 use crate::arguments::Program;
 use crate::console::Console;
@@ -48,7 +48,11 @@ impl Understood {
         if fault.kind == FaultKind::Interrupted {
             return Failure::interrupted();
         }
-        let problems = [treegen_compiler::problem_of_fault(fault, &self.vocabulary)];
+        let mut problem = treegen_compiler::problem_of_fault(fault, &self.vocabulary);
+        if matches!(fault.kind, FaultKind::Limit { limit: Limit::Primitives, .. }) {
+            problem.notes.insert(0, "`--limit N` allows so many".to_owned());
+        }
+        let problems = [problem];
         Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color))
     }
 }

@@ -9,6 +9,8 @@ mod compile;
 mod console;
 mod exit;
 mod files;
+mod inspect;
+mod inspect_expand;
 mod output;
 mod progress;
 mod render;
@@ -29,6 +31,7 @@ fn main() -> ExitCode {
     let console = Console::from(&cli);
     let result = match cli.command {
         Some(Command::Check(check)) => check::check(check, console),
+        Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
         None => render::render(cli.render, console),
     };
     match result {

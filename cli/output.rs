@@ -6,11 +6,11 @@
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, BufWriter, Cursor, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use tempfile::NamedTempFile;
 use treegen_runtime::picture::Watch;
 
+use crate::console::shown;
 use crate::exit::Failure;
 use crate::supervise::Progress;
 
@@ -83,6 +83,19 @@ impl Place {
         }
     }
 
+    /// A program is never overwritten by what is made from it.
+    ///
+    /// # Errors
+    /// That one of the program's files is here.
+    pub fn refuse_sources(&self, sources: &[PathBuf]) -> Result<(), Failure> {
+        match sources.iter().find(|source| self.is_same_as(source)) {
+            Some(source) => {
+                Err(Failure::usage(format!("`{}` is the program, and would be overwritten", shown(source))))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Whether both are one file.
     pub fn overwrites(&self, other: &Self) -> bool {
         match (self, other) {
@@ -98,7 +111,7 @@ impl Place {
     /// The system's reason, or that the run was interrupted.
     pub fn stage(
         self,
-        progress: &Arc<Progress>,
+        progress: &Progress,
         write: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
     ) -> Result<Staged, Failure> {
         match self {
@@ -117,6 +130,29 @@ impl Place {
                 })?;
                 Ok(Staged::File(destination, file))
             }
+        }
+    }
+
+    /// Writes all as it is made: to a file, that gets its name when all is there, or to whoever reads.
+    ///
+    /// # Errors
+    /// The system's reason, or that the run was interrupted.
+    pub fn stream(
+        self,
+        progress: &Progress,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        let result = match &self {
+            Self::File(_) => return self.stage(progress, |out| write(&mut { out }))?.finish(),
+            Self::Stdout => write_through(io::stdout().lock(), write),
+            Self::Through(path) => {
+                OpenOptions::new().write(true).open(path).and_then(|file| write_through(file, write))
+            }
+        };
+        match result {
+            // Whoever reads has read enough.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            result => result.map_err(|error| self.fail(&error)),
         }
     }
 
@@ -188,7 +224,7 @@ impl Destination {
 
     fn write(
         &self,
-        progress: &Arc<Progress>,
+        progress: &Progress,
         write: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
     ) -> io::Result<NamedTempFile> {
         let mut builder = tempfile::Builder::new();
@@ -231,6 +267,12 @@ impl Seek for Interruptible<'_> {
     fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
         self.file.seek(position)
     }
+}
+
+fn write_through(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, out);
+    write(&mut out)?;
+    out.flush()
 }
 
 fn send(place: &Place, bytes: &[u8]) -> io::Result<()> {

@@ -100,13 +100,7 @@ impl Outputs {
 
     /// A program is never overwritten by its own picture.
     fn refuse_sources(&self, sources: &[PathBuf]) -> Result<(), Failure> {
-        let places = || std::iter::once(&self.picture).chain(&self.stats);
-        match sources.iter().find(|source| places().any(|it| it.is_same_as(source))) {
-            Some(source) => {
-                Err(Failure::usage(format!("`{}` is the program, and would be overwritten", shown(source))))
-            }
-            None => Ok(()),
-        }
+        std::iter::once(&self.picture).chain(&self.stats).try_for_each(|it| it.refuse_sources(sources))
     }
 }
 
@@ -230,6 +224,7 @@ fn options(arguments: &Render, program: &Understood, format: Format) -> Result<R
         samples: arguments.samples,
         layers: format == Format::Exr,
         tile: arguments.tile.unwrap_or(defaults.tile),
+        detail: arguments.detail,
     })
 }
 
@@ -247,6 +242,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
         ("Size".to_owned(), format!("{}x{}", picture.width, picture.height)),
         ("Samples".to_owned(), arguments.samples.unwrap_or(program.scene.image.samples).to_string()),
     ];
+    if arguments.detail != RenderOptions::default().detail {
+        text.push(("Detail".to_owned(), arguments.detail.to_string()));
+    }
     if let Some(Rect { x, y, width, height }) = arguments.crop {
         text.push(("Crop".to_owned(), format!("{x},{y},{width},{height}")));
     }

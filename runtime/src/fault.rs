@@ -166,6 +166,8 @@ pub enum Limit {
     Steps,
     /// Intervals on one ray.
     Intervals,
+    /// Primitives of an exported scene.
+    Primitives,
     /// Pixels of a picture.
     Pixels,
     /// Samples of a pixel.

@@ -8,9 +8,11 @@
 
 pub mod derive;
 pub mod eval;
+pub mod export;
 pub mod fault;
 pub mod form;
 pub mod geometry;
+mod lanes;
 mod limits;
 pub mod picture;
 pub mod trace;

@@ -27,6 +27,8 @@ pub struct Limits {
     pub steps: u64,
     /// Intervals on one ray.
     pub intervals: u32,
+    /// Primitives of an exported scene; places where there is nothing count, too.
+    pub primitives: u64,
     /// Bytes for cells that are kept. It affects the time, never the picture.
     pub cell_bytes: u64,
 }
@@ -46,6 +48,7 @@ impl Default for Limits {
             strides: 100_000_000,
             steps: 100_000_000,
             intervals: 4096,
+            primitives: 10_000_000,
             cell_bytes: 256 << 20,
         }
     }

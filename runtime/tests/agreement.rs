@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::{Sample, is_steady, look};
 use glam::DVec3;
 use proptest::prelude::*;
 use treegen_runtime::Limits;
@@ -11,22 +12,16 @@ use treegen_runtime::form::Scene;
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::trace::{Fragment, Sample, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Beam, Fragment, SurfaceBeam, Tracer};
 
-fn look(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    tracer.look(rays, &mut samples).expect("these scenes have no faults");
-    samples
-}
-
-fn blocked(tracer: &dyn Tracer, rays: &[SurfaceRay]) -> Vec<bool> {
+fn light(tracer: &dyn Tracer, beams: &[SurfaceBeam]) -> Vec<f64> {
     let mut answers = Vec::new();
-    tracer.blocked(rays, &mut answers).expect("these scenes have no faults");
+    tracer.light(beams, &mut answers).expect("these scenes have no faults");
     answers
 }
 
 fn same(a: &Sample, b: &Sample) -> bool {
-    match (a.fragments.first(), b.fragments.first()) {
+    match (a.first(), b.first()) {
         (None, None) => true,
         (Some(a), Some(b)) => {
             a.origin == b.origin
@@ -39,20 +34,11 @@ fn same(a: &Sample, b: &Sample) -> bool {
     }
 }
 
-/// Whether the reference itself sees the same from a hair's breadth beside each ray: only there a difference counts.
-fn is_steady(reference: &Reference, ray: &Ray) -> bool {
-    let beside = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-    let mut rays = vec![*ray];
-    rays.extend(beside.map(|it| Ray { origin: ray.origin + it * 4e-6, ..*ray }));
-    let seen = look(reference, &rays);
-    let what = |it: &Sample| it.fragments.first().map(|it| (it.origin, it.route, it.site.clone()));
-    seen.iter().all(|it| what(it) == what(&seen[0]))
-}
-
-fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceRay> {
-    let hits = samples.iter().filter_map(|it| it.fragments.first());
+fn shadow_rays(samples: &[Sample], direction: DVec3) -> Vec<SurfaceBeam> {
+    let hits = samples.iter().filter_map(|it| it.first());
     let lit = hits.filter(|it: &&Fragment| it.normal.dot(direction) > 1e-3);
-    lit.map(|it| SurfaceRay { ray: Ray { origin: it.position, direction }, from: it.site.clone() }).collect()
+    let beam = |it: &Fragment| Beam::thin(Ray { origin: it.position, direction });
+    lit.map(|it| SurfaceBeam { beam: beam(it), from: it.site.clone() }).collect()
 }
 
 /// Compares both tracers on a bundle of rays, and on the shadow rays from what each saw.
@@ -69,7 +55,7 @@ fn compare(scene: &Scene, side: u32, half_width: f64) -> Result<(), String> {
     }
     let sun = DVec3::new(0.4, -0.5, 0.77).normalize();
     let both = [&expected, &found].map(|it| shadow_rays(it, sun));
-    let answers = (blocked(&reference, &both[0]), blocked(&cells, &both[1]));
+    let answers = (light(&reference, &both[0]), light(&cells, &both[1]));
     if both[0].len() == both[1].len() {
         let different = answers.0.iter().zip(&answers.1).filter(|(a, b)| a != b).count();
         // Shadow rays along an edge may fall on either side of it.
@@ -127,7 +113,7 @@ fn along_an_axis_a_sierpinski_tetrahedron_is_a_full_square_at_the_depth_in_close
         }
         for samples in seen {
             for ((x, y), sample) in places.iter().zip(samples) {
-                let hit = sample.fragments.first().expect("the square has no hole");
+                let hit = sample.first().expect("the square has no hole");
                 let expected = sierpinski_top(order, *x, *y);
                 assert!(
                     (hit.position.z - expected).abs() < 1e-12,
@@ -147,7 +133,7 @@ fn from_the_front_a_menger_sponge_lights_eight_to_its_order_squares() {
         let side = 3u32.pow(order) * 3;
         let place = |it: u32| (f64::from(it) + 0.5) / f64::from(side) * 2.0 - 1.0;
         let rays: Vec<Ray> = (0..side).flat_map(|y| (0..side).map(move |x| from_above(place(x), place(y)))).collect();
-        let lit = look(&cells, &rays).iter().filter(|it| !it.fragments.is_empty()).count();
+        let lit = look(&cells, &rays).iter().filter(|it| !it.is_empty()).count();
         assert_eq!(lit, 8usize.pow(order) * 9, "order {order}");
     }
 }

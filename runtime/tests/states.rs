@@ -7,7 +7,6 @@ mod common;
 use std::collections::HashSet;
 
 use treegen_runtime::form::{BinaryOp, Node, Origin, PrimitiveKind, Scene, Slot, TransformKind};
-use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::{Expander, Group, Solid, State};
 use treegen_runtime::{FaultKind, Limit, Limits};
 
@@ -107,12 +106,4 @@ fn more_parts_than_the_limit_are_a_fault() {
     assert_eq!(count(900_000).expect("just as many as allowed"), 900_000);
     let fault = count(899_999).expect_err("one part too many");
     assert_eq!(fault.kind, FaultKind::Limit { limit: Limit::Nodes, most: 899_999 });
-}
-
-#[test]
-fn a_cycle_that_never_reaches_a_primitive_is_a_fault_and_not_an_empty_picture() {
-    // At order inf the rest stays inf, so the same state comes back at every turn.
-    let scene = common::sierpinski(f64::INFINITY);
-    let fault = CellTracer::new(&scene, &Limits::default(), Culling::State).expect_err("there is nothing to draw");
-    assert!(matches!(fault.kind, FaultKind::Endless { .. }), "{fault:?}");
 }

@@ -312,7 +312,7 @@ fn texture_coordinates_run_on_along_a_stem() {
         let (pieces, joints) = pieces(&list);
         let own: Vec<&Piece> = pieces.iter().filter(|it| it.part.primitive.kind() != PrimitiveKind::Sphere).collect();
         let texture = |piece: &Piece, p: DVec3| {
-            piece.part.primitive.texture(piece.part_from_stem.transform_point3(p)).expect("a segment")
+            piece.part.primitive.texture(piece.part_from_stem.transform_point3(p), &piece.part.wrap).expect("a segment")
         };
         let ends = [list.segments(&list.stems()[0]).next(), list.segments(&list.stems()[0]).last()].map(Option::unwrap);
         assert!(texture(own[0], ends[0].start)[1].abs() < 1e-12);

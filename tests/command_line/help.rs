@@ -5,7 +5,9 @@ use crate::support::{Folder, SPHERE};
 #[test]
 fn help_is_written_for_people() {
     let folder = Folder::with(&[]);
-    for (name, arguments) in [("help", &["--help"][..]), ("help_check", &["check", "--help"])] {
+    for (name, arguments) in
+        [("help", &["--help"][..]), ("help_check", &["check", "--help"]), ("help_inspect", &["inspect", "--help"])]
+    {
         let ran = folder.run(arguments).ended(0);
         assert_eq!(ran.said, "");
         insta::assert_snapshot!(name, String::from_utf8(ran.out).unwrap());
@@ -57,6 +59,11 @@ fn a_wrong_command_line_says_what_would_be_right() {
         &["--size", "10x10", "check", "a.tg"],
         &["a.tg", "check", "a.tg"],
         &["check"],
+        &["inspect", "a.tg"],
+        &["inspect", "--expand"],
+        &["inspect", "a.tg", "--expand", "--format", "xml"],
+        &["inspect", "a.tg", "--expand", "--limit", "0"],
+        &["--samples", "1", "inspect", "a.tg", "--expand"],
     ];
     let mut said = String::new();
     for arguments in mistakes {

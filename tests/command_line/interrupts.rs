@@ -84,6 +84,23 @@ fn an_interrupt_is_heard_while_nobody_reads_the_pipe() {
     assert!(took < Duration::from_secs(5), "{took:?}");
 }
 
+/// Far more primitives than any test waits for.
+const MANY: &[&str] = &["inspect", "a.tg", "--expand", "--set", "Fractal.order=20", "--limit", "1000000000000", "-o"];
+
+#[test]
+fn an_interrupt_ends_a_long_export_too() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    folder.shell("mkfifo pipe").ended(0);
+    folder.write("a.json", OLD);
+    for place in ["a.json", "pipe", "-"] {
+        let (status, took) = stopped(&folder, &[MANY, &[place]].concat(), "INT", Duration::from_millis(300));
+        assert_eq!(status.code(), Some(130), "{place}");
+        assert!(took < Duration::from_secs(5), "{took:?}");
+        assert_eq!(folder.read("a.json"), OLD);
+        assert_eq!(folder.names(), ["a.json", "a.tg", "pipe"]);
+    }
+}
+
 #[test]
 fn too_little_address_space_is_told() {
     let folder = Folder::with(&[("a.tg", FRACTAL)]);

@@ -6,6 +6,7 @@
 mod exit_codes;
 mod files;
 mod help;
+mod inspect;
 mod interrupts;
 mod output;
 mod same_bytes;

@@ -8,7 +8,7 @@ use treegen_runtime::form::Scene;
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::trace::{Sample, Tracer};
+use treegen_runtime::trace::{self, Beam, Fragment, Tracer};
 
 /// Compiles a program that uses no other files.
 pub(crate) fn compiled(text: &str) -> Compiled {
@@ -35,16 +35,16 @@ pub(crate) struct Seen {
 
 /// What a bundle of rays from the south sees of a program.
 pub(crate) fn seen(scene: &Scene, tracer: &dyn Tracer) -> Vec<Option<Seen>> {
-    let mut samples = Vec::new();
-    tracer.look(&rays(), &mut samples).expect("the program has no faults");
-    let seen = |it: &Sample| {
-        it.fragments.first().map(|it| Seen {
+    let mut looked = trace::Seen::default();
+    tracer.look(&beams(), &mut looked).expect("the program has no faults");
+    let seen = |it: &[Fragment]| {
+        it.first().map(|it| Seen {
             depth: it.depth,
             normal: it.normal.to_array(),
             paint: it.material.map(|it| scene.materials[it.0 as usize].name.clone()),
         })
     };
-    samples.iter().map(seen).collect()
+    looked.rays().map(seen).collect()
 }
 
 /// What the reference walker sees of a program.
@@ -60,15 +60,15 @@ pub(crate) fn by_cells(text: &str) -> Vec<Option<Seen>> {
     seen(&scene, &tracer)
 }
 
-fn rays() -> Vec<Ray> {
-    let mut rays = Vec::new();
+fn beams() -> Vec<Beam> {
+    let mut beams = Vec::new();
     for row in 0..24 {
         for column in 0..24 {
             let at = |it: i32| (f64::from(it) - 11.437) / 8.0;
             let origin = glam::DVec3::new(0.4, -9.0, 0.9);
             let through = glam::DVec3::new(at(column), 0.0, at(row) + 0.5);
-            rays.push(Ray { origin, direction: through - origin });
+            beams.push(Beam::thin(Ray { origin, direction: through - origin }));
         }
     }
-    rays
+    beams
 }

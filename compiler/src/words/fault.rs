@@ -168,10 +168,11 @@ fn limit_code(limit: Limit) -> &'static str {
         Limit::Intervals => "E0918",
         Limit::Pixels => "E0919",
         Limit::Samples => "E0920",
-        Limit::Rules => "E0921",
-        Limit::Modules => "E0922",
-        Limit::Segments => "E0923",
-        Limit::Strides => "E0924",
+        Limit::Rules => "E0922",
+        Limit::Modules => "E0923",
+        Limit::Segments => "E0924",
+        Limit::Strides => "E0925",
+        Limit::Primitives => "E0921",
     }
 }
 
@@ -190,6 +191,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Modules => "more modules are waiting to be replaced than the limit",
         Limit::Segments => "a derivation lays more segments than the limit",
         Limit::Strides => "a derivation takes more steps than the limit",
+        Limit::Primitives => "the scene has more primitives than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
     }
 }

@@ -74,6 +74,11 @@ impl Path {
         Self::default().joined(0x5eed, (seed + 0.0).to_bits())
     }
 
+    /// A path that no derivation takes, for states that stand for others.
+    pub(crate) fn made_up(number: u32) -> Self {
+        Self::default().joined(0x6d61_6465_2075_7000, u64::from(number))
+    }
+
     /// The path that goes on through a call at `place`, in the turn of the `repeat`s around it.
     #[must_use]
     pub fn joined(self, place: u64, turn: u64) -> Self {

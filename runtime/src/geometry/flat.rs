@@ -112,15 +112,10 @@ impl HalfSpace {
         offset.is_finite().then_some(Self { normal, offset })
     }
 
-    /// How far a point is behind its plane, in lengths of its normal.
-    #[inline]
-    pub(super) fn distance(&self, point: DVec3) -> f64 {
-        self.offset - self.normal.dot(point)
-    }
-
     #[inline]
     pub(super) fn chord(&self, ray: &Ray, from: Option<u8>) -> Option<Chord> {
-        Clip::ALL.cut(0, self.distance(ray.origin), self.normal.dot(ray.direction), from)?.chord()
+        let distance = self.offset - self.normal.dot(ray.origin);
+        Clip::ALL.cut(0, distance, self.normal.dot(ray.direction), from)?.chord()
     }
 
     /// Finite only along the normal.

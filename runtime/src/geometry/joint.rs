@@ -17,6 +17,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::cone::{Cone, Fit};
 use super::primitive::Primitive;
+use super::segment::Wrap;
 use super::solve::power_of_two_below;
 use crate::form::{MaterialId, Origin, PrimitiveKind, Segment, Stem};
 
@@ -42,6 +43,10 @@ pub enum Joint {
 pub struct Part {
     /// What it is.
     pub primitive: Primitive,
+    /// The parameters of a segment; a ball has none.
+    pub parameters: Option<[f64; 6]>,
+    /// How texture coordinates lie on it.
+    pub wrap: Wrap,
     /// From its own frame to that of the stem.
     pub stem_from_part: DAffine3,
     /// Its paint.
@@ -112,16 +117,11 @@ impl Joints {
             before = Some(link.axis);
             let along = [done / whole, (done + link.length) / whole];
             done += link.length;
-            if let Some((primitive, stem_from_part)) = link.frustum(across, [joints[0], joints[1]]) {
-                let Segment { material, origin, .. } = link.segment;
-                each(Part { primitive: primitive.along(along), stem_from_part, material, origin });
+            if let Some(part) = link.frustum(across, along, [joints[0], joints[1]]) {
+                each(part);
             }
-            if let Joint::Ball(radius) = joints[1]
-                && let Some(primitive) = Primitive::new(PrimitiveKind::Sphere, &[])
-            {
-                let Segment { material, origin, end, .. } = link.segment;
-                let stem_from_part = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(radius)), end);
-                each(Part { primitive, stem_from_part, material, origin });
+            if let Some(part) = link.ball(joints[1], along[1]) {
+                each(part);
             }
         }
     }
@@ -224,25 +224,55 @@ impl Link {
         }
     }
 
-    /// What it is, in a frame with the middle of the axis as its origin, z along it and x near `across`.
-    fn frustum(&self, across: DVec3, joints: [Joint; 2]) -> Option<(Primitive, DAffine3)> {
-        let [mut start, mut end] = self.cone.radii;
+    /// What it is, in a frame with z along the axis; texture coordinates are counted from `across`.
+    fn frustum(&self, across: DVec3, along: [f64; 2], joints: [Joint; 2]) -> Option<Part> {
+        let (z, [start, mut end]) = (self.axis, self.cone.radii);
         if (end - start).abs() > MOST_SLOPE * self.length {
-            (start, end) = (start.max(end), start.max(end));
+            end = start;
         }
         let size = power_of_two_below(self.length.max(start).max(end))?;
-        let axes = DMat3::from_cols(across, self.axis.cross(across), self.axis);
-        let middle = self.segment.start * 0.5 + self.segment.end * 0.5;
-        let mut numbers = [0.0; 10];
-        (numbers[0], numbers[1]) = ((start + end) * 0.5 / size, (end - start) / self.length);
-        for number in 0..2 {
-            let (normal, offset) = self.cut(joints[number], number);
-            let normal = axes.transpose() * normal;
-            let place = if number == 1 { self.length * 0.5 } else { self.length * -0.5 };
-            let offset = (offset + normal.z * place) / size;
-            numbers[2 + 4 * number..6 + 4 * number].copy_from_slice(&[normal.x, normal.y, normal.z, offset]);
-        }
-        let stem_from_part = DAffine3::from_mat3_translation(axes * size, middle);
-        Primitive::new(PrimitiveKind::Segment, &numbers).map(|it| (it, stem_from_part))
+        let [(below, below_offset), (above, above_offset)] = [0, 1].map(|it| self.cut(joints[it], it));
+        // The cut below rises with x and crosses the axis at the origin.
+        let leaning = below - z * z.dot(below);
+        let steep = leaning.length();
+        let x = if steep > 0.0 { leaning / steep } else { across };
+        let axes = DMat3::from_cols(x, z.cross(x), z);
+        let low = below_offset / below.dot(z);
+        let high = self.length + above_offset / above.dot(z);
+        let upwards = above.dot(z);
+        let slope = (end - start) / self.length;
+        let numbers = [
+            (start + slope * low) / size,
+            slope,
+            steep / -below.dot(z),
+            (high - low) / size,
+            -above.dot(axes.x_axis) / upwards,
+            -above.dot(axes.y_axis) / upwards,
+        ];
+        Some(Part {
+            primitive: Primitive::new(PrimitiveKind::Segment, &numbers)?,
+            parameters: Some(numbers),
+            wrap: Wrap {
+                turn: libm::atan2(across.dot(axes.y_axis), across.dot(axes.x_axis)) / std::f64::consts::TAU,
+                along,
+            },
+            stem_from_part: DAffine3::from_mat3_translation(axes * size, self.segment.start + z * low),
+            material: self.segment.material,
+            origin: self.segment.origin,
+        })
+    }
+
+    /// The ball that joins it to the next one.
+    fn ball(&self, joint: Joint, along: f64) -> Option<Part> {
+        let Joint::Ball(radius) = joint else { return None };
+        let Segment { material, origin, end, .. } = self.segment;
+        Some(Part {
+            primitive: Primitive::new(PrimitiveKind::Sphere, &[])?,
+            parameters: None,
+            wrap: Wrap { turn: 0.0, along: [along; 2] },
+            stem_from_part: DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(radius)), end),
+            material,
+            origin,
+        })
     }
 }

@@ -4,6 +4,7 @@ mod aabb;
 mod ball;
 mod chord;
 mod cone;
+mod convex;
 mod eigen;
 mod flat;
 mod frustum;
@@ -19,7 +20,9 @@ mod torus;
 
 pub use aabb::Aabb;
 pub use chord::{Chord, Chords, Crossing};
+pub(crate) use convex::{Convex, FACE, Lines, Side};
 pub use intervals::{End, Interval, Intervals};
 pub use joint::{Joint, Joints, Part};
 pub use primitive::Primitive;
 pub use ray::Ray;
+pub use segment::Wrap;

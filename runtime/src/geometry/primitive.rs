@@ -1,15 +1,16 @@
 //! The unit primitives.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::aabb::Aabb;
 use super::ball;
 use super::chord::{Chord, Chords, Crossing};
+use super::convex::Convex;
 use super::flat::{self, HalfSpace};
 use super::frustum;
 use super::quadric::Quadric;
 use super::ray::Ray;
-use super::segment::CutCone;
+use super::segment::{CutCone, Wrap};
 use super::sheet;
 use super::solve::{power_of_two_below, unit};
 use super::torus;
@@ -72,28 +73,53 @@ impl Primitive {
             (PrimitiveKind::Quadric, &[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0]) => {
                 Shape::Quadric(Quadric::new(&[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0])?)
             }
-            (PrimitiveKind::Segment, &[radius, slope, bx, by, bz, bd, ax, ay, az, ad]) => {
-                let below = HalfSpace::new(DVec3::new(bx, by, bz), bd)?;
-                let above = HalfSpace::new(DVec3::new(ax, ay, az), ad)?;
-                Shape::Segment(CutCone::new(radius, slope, below, above)?)
+            (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => {
+                Shape::Segment(CutCone::new(radius, slope, lean, top, DVec2::new(x, y))?)
             }
             _ => return None,
         };
         Some(Self { shape })
     }
 
-    /// The same segment, with these second texture coordinates at its ends; other primitives as they are.
-    #[must_use]
-    pub fn along(mut self, along: [f64; 2]) -> Self {
-        if let Shape::Segment(cone) = &mut self.shape {
-            cone.along = along;
-        }
-        self
+    /// Texture coordinates of a point on the surface: once round the axis, from 0 to below 1, and along it. Only segments have them.
+    pub fn texture(&self, point: DVec3, wrap: &Wrap) -> Option<[f64; 2]> {
+        if let Shape::Segment(cone) = &self.shape { Some(cone.texture(point, wrap)) } else { None }
     }
 
-    /// Texture coordinates of a point on the surface: once round the axis from 0 to below 1, and along it. Only segments have them.
-    pub fn texture(&self, point: DVec3) -> Option<[f64; 2]> {
-        if let Shape::Segment(cone) = &self.shape { Some(cone.texture(point)) } else { None }
+    /// The primitive that this convex one is.
+    pub(super) fn of_convex(convex: &Convex) -> Self {
+        let shape = match *convex {
+            Convex::Ball => Shape::Sphere,
+            Convex::Cylinder => Shape::Cylinder,
+            Convex::Cone { r0, r1 } => Shape::Cone { r0, r1 },
+            Convex::Cube => Shape::Box,
+            Convex::Tetrahedron => Shape::Tetrahedron,
+            Convex::HalfSpace { normal, offset } => Shape::HalfSpace(HalfSpace { normal, offset }),
+            Convex::Triangle => Shape::Triangle,
+            Convex::Segment(cone) => Shape::Segment(cone),
+        };
+        Self { shape }
+    }
+
+    /// The convex primitive that this is in a frame of its own, and by how much
+    /// each axis is stretched on the way there; `None` if lines may meet it twice.
+    pub(crate) fn convex(&self) -> Option<(Convex, DVec3)> {
+        let convex = match self.shape {
+            // A sphere in a stretched frame.
+            Shape::Ellipsoid { axes } => return Some((Convex::Ball, axes.recip())),
+            Shape::Sphere => Convex::Ball,
+            Shape::Cylinder => Convex::Cylinder,
+            Shape::Cone { r0, r1 } => Convex::Cone { r0, r1 },
+            Shape::Box => Convex::Cube,
+            Shape::Tetrahedron => Convex::Tetrahedron,
+            Shape::Triangle => Convex::Triangle,
+            Shape::HalfSpace(HalfSpace { normal, offset }) => Convex::HalfSpace { normal, offset },
+            Shape::Segment(cone) => Convex::Segment(cone),
+            Shape::Hyperboloid { .. } | Shape::Paraboloid { .. } | Shape::Torus { .. } | Shape::Quadric(_) => {
+                return None;
+            }
+        };
+        Some((convex, DVec3::ONE))
     }
 
     /// Its kind.
@@ -219,6 +245,20 @@ impl Primitive {
         match self.shape {
             Shape::Triangle if from.is_none() => flat::triangle(ray),
             _ => None,
+        }
+    }
+
+    /// Whether the normal of a face is the same all over it.
+    pub(crate) fn is_flat(&self, face: u8) -> bool {
+        match self.shape {
+            Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) => true,
+            Shape::Cylinder | Shape::Cone { .. } | Shape::Segment(_) => face != frustum::SIDE,
+            Shape::Sphere
+            | Shape::Ellipsoid { .. }
+            | Shape::Torus { .. }
+            | Shape::Hyperboloid { .. }
+            | Shape::Paraboloid { .. }
+            | Shape::Quadric(_) => false,
         }
     }
 

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::form::{Camera, Lens};
 use crate::geometry::Ray;
+use crate::trace::Beam;
 
 /// A camera ready to send rays through the pixels of a picture.
 #[derive(Clone, Debug)]
@@ -16,11 +17,14 @@ pub(super) struct Rays {
     middle: DVec2,
     /// The size of a pixel: in lengths at distance 1 for a perspective, in lengths for a parallel projection.
     pixel: f64,
+    /// How wide the beams are, in pixels.
+    detail: f64,
     parallel: bool,
 }
 
 impl Rays {
-    pub(super) fn new(camera: &Camera, width: u32, height: u32) -> Self {
+    /// Rays through a picture of so many pixels, followed into what is `detail` pixels large.
+    pub(super) fn new(camera: &Camera, width: u32, height: u32, detail: f64) -> Self {
         let forward = unit(camera.target - camera.eye).unwrap_or(DVec3::Y);
         let (right, up) = upright(forward, camera.up);
         let shorter = f64::from(width.min(height));
@@ -35,17 +39,21 @@ impl Rays {
             up,
             middle: DVec2::new(f64::from(width), f64::from(height)) / 2.0,
             pixel: span / shorter,
+            detail,
             parallel,
         }
     }
 
-    /// The ray through a point of the picture, in pixels from its upper left corner. Its direction has length 1.
-    pub(super) fn through(&self, x: f64, y: f64) -> Ray {
+    /// The beam through a point of the picture, in pixels from its upper left corner. Its direction has length 1.
+    pub(super) fn through(&self, x: f64, y: f64) -> Beam {
         let across = self.right * ((x - self.middle.x) * self.pixel) + self.up * ((self.middle.y - y) * self.pixel);
+        let girth = self.pixel * self.detail;
         if self.parallel {
-            return Ray { origin: self.eye + across, direction: self.forward };
+            let ray = Ray { origin: self.eye + across, direction: self.forward };
+            return Beam { ray, width: girth, spread: 0.0 };
         }
-        Ray { origin: self.eye, direction: (self.forward + across).normalize() }
+        let ray = Ray { origin: self.eye, direction: (self.forward + across).normalize() };
+        Beam { ray, width: 0.0, spread: girth }
     }
 
     /// How wide a pixel is at a distance.
@@ -65,7 +73,7 @@ impl Rays {
 }
 
 /// Right and up in the picture of a camera that looks `forward`; y stands for an `up` along the view, and z for both.
-pub(super) fn upright(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
+pub(crate) fn upright(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
     let right = [up, DVec3::Y, DVec3::Z]
         .into_iter()
         .filter_map(unit)
@@ -77,12 +85,12 @@ pub(super) fn upright(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
 }
 
 /// Half of what an angle in degrees spans at distance 1.
-pub(super) fn half_span(fov: f64) -> f64 {
+pub(crate) fn half_span(fov: f64) -> f64 {
     libm::tan((fov / 2.0).to_radians())
 }
 
 /// A vector's direction; none of zero and of what is not finite.
-pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
+pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
     let largest = vector.abs().max_element();
     // The division keeps squares of very long and very short vectors in range.
     (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())

@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 use super::camera::{Rays, half_span, upright};
 use crate::fault::Fault;
 use crate::form::{Camera, Lens};
-use crate::geometry::{Aabb, Ray};
-use crate::trace::Tracer;
+use crate::geometry::Aabb;
+use crate::trace::{Beam, Seen, Tracer};
 
 /// How far the camera opens, in degrees.
 const FOV: f64 = 30.0;
@@ -68,22 +68,22 @@ fn fit(points: impl Iterator<Item = DVec3>, bounds: &Aabb, width: u32, height: u
 
 /// Points in the box that the camera sees; none where a ray meets a fault.
 fn probe(tracer: &dyn Tracer, camera: &Camera, bounds: &Aabb, width: u32, height: u32) -> Vec<DVec3> {
-    let rays = Rays::new(camera, width, height);
+    let rays = Rays::new(camera, width, height, 1.0);
     let spacing = DVec2::new(f64::from(width), f64::from(height)) / f64::from(PROBES);
     // What stands on an endless ground ends where that begins: the ground around it is not to be framed.
     let low = bounds.min + DVec3::Z * ((bounds.max.z - bounds.min.z) * GROUND);
     let mut seen = Vec::new();
-    let mut samples = Vec::new();
+    let mut looked = Seen::default();
     for row in 0..PROBES {
         // Each row is shifted by the golden ratio, so that no upright pole stands between all rays.
         let shift = (f64::from(row) * 0.618_033_988_749_895).fract();
-        let line: Vec<Ray> = (0..PROBES)
+        let line: Vec<Beam> = (0..PROBES)
             .map(|column| rays.through((f64::from(column) + shift) * spacing.x, (f64::from(row) + 0.5) * spacing.y))
             .collect();
-        if tracer.look(&line, &mut samples).is_err() {
+        if tracer.look(&line, &mut looked).is_err() {
             return Vec::new();
         }
-        let hits = samples.iter().flat_map(|sample| &sample.fragments).map(|fragment| fragment.position);
+        let hits = looked.fragments().iter().map(|fragment| fragment.position);
         seen.extend(hits.filter(|hit| hit.cmpge(low).all() && hit.cmple(bounds.max).all()));
     }
     seen

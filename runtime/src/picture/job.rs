@@ -26,7 +26,7 @@ pub(super) fn render(
     tracer: &dyn Tracer,
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
-    let rays = Rays::new(camera, view.width, view.height);
+    let rays = Rays::new(camera, view.width, view.height, view.detail);
     let shader = Shader::new(scene, Lights::new(scene, &rays));
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
     let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, watch };
@@ -88,7 +88,7 @@ impl<'a> Job<'a> {
         let mut painter = Painter::new(self.setting);
         while let Some(tile) = self.take() {
             match painter.paint(&tile) {
-                Ok(pixels) => self.put(pixels),
+                Ok((pixels, centres)) => self.put(pixels, centres),
                 Err(Stop::Interrupted) => self.interrupted.store(true, Ordering::Relaxed),
                 Err(Stop::Fault(pixel, fault)) => self.report(pixel, *fault),
             }
@@ -108,15 +108,19 @@ impl<'a> Job<'a> {
         (self.number((tile.x, tile.y)) < self.bound.load(Ordering::Relaxed)).then_some(tile)
     }
 
-    fn put(&self, pixels: &[Pixel]) {
+    fn put(&self, pixels: &[Pixel], centres: &[Option<Hit>]) {
         let crop = self.setting.view.crop;
         let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
-        for pixel in pixels {
+        let index = |pixel: &Pixel| {
             let (x, y) = (pixel.place.0 - crop.x, pixel.place.1 - crop.y);
-            let index = y as usize * crop.width as usize + x as usize;
-            picture.color[index] = pixel.color();
-            if let (Some(layers), Some(hit)) = (&mut picture.layers, &pixel.centre) {
-                layers.set(index, hit);
+            y as usize * crop.width as usize + x as usize
+        };
+        for pixel in pixels {
+            picture.color[index(pixel)] = pixel.color();
+        }
+        if let Some(layers) = &mut picture.layers {
+            for (pixel, hit) in pixels.iter().zip(centres).filter_map(|(pixel, hit)| Some((pixel, hit.as_ref()?))) {
+                layers.set(index(pixel), hit);
             }
         }
         drop(picture);

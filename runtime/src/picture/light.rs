@@ -33,19 +33,19 @@ const DEFAULT_SUN_STRENGTH: f64 = 1.4;
 
 /// All that lights a scene.
 #[derive(Clone, Debug)]
-pub(super) struct Lights {
-    pub(super) suns: Vec<SunLight>,
-    pub(super) sky: SkyLight,
-    pub(super) haze: f64,
+pub(crate) struct Lights {
+    pub(crate) suns: Vec<SunLight>,
+    pub(crate) sky: SkyLight,
+    pub(crate) haze: f64,
 }
 
 /// A sun that gives light.
 #[derive(Clone, Debug)]
-pub(super) struct SunLight {
+pub(crate) struct SunLight {
     /// Where it stands.
-    pub(super) toward: DVec3,
+    pub(crate) toward: DVec3,
     /// Its light on a surface that faces it.
-    pub(super) color: DVec3,
+    pub(crate) color: DVec3,
     /// What soft shadows need.
     disc: Option<Disc>,
     number: u64,
@@ -63,14 +63,14 @@ struct Disc {
 ///
 /// As a light it is linear in the direction: `mean + Σ slope_i * direction_i`. So what falls on a surface has a closed form.
 #[derive(Clone, Debug)]
-pub(super) struct SkyLight {
-    mean: DVec3,
+pub(crate) struct SkyLight {
+    pub(crate) mean: DVec3,
     /// How the light grows with the direction's height.
-    upward: DVec3,
+    pub(crate) upward: DVec3,
     /// How it grows toward the first sun.
-    sunward: DVec3,
+    pub(crate) sunward: DVec3,
     /// The way to the first sun, level.
-    side: DVec3,
+    pub(crate) side: DVec3,
     zenith: DVec3,
     horizon: DVec3,
     below: DVec3,
@@ -80,17 +80,23 @@ pub(super) struct SkyLight {
 impl Lights {
     /// The lights of a scene that is seen through these rays.
     pub(super) fn new(scene: &Scene, rays: &Rays) -> Self {
-        let default = scene.suns.is_empty() && scene.sky.is_none();
-        let suns = if default { vec![default_sun(rays)] } else { scene.suns.clone() };
-        let sky = scene.sky.clone().unwrap_or_default();
+        let (suns, sky) = filled_in(scene, rays);
+        Self::of(&suns, &sky, scene.image.background)
+    }
+
+    /// These suns and this sky.
+    pub(crate) fn of(suns: &[Sun], sky: &Sky, background: Background) -> Self {
         let suns: Vec<SunLight> = suns.iter().enumerate().filter_map(|(i, sun)| SunLight::new(sun, i as u64)).collect();
         let side = suns.first().and_then(|sun| unit(sun.toward.with_z(0.0))).unwrap_or(DVec3::ZERO);
-        Self {
-            suns,
-            haze: sky.haze.max(0.0),
-            sky: SkyLight::new(&sky, side, scene.image.background == Background::Sky),
-        }
+        Self { suns, haze: sky.haze.max(0.0), sky: SkyLight::new(sky, side, background == Background::Sky) }
     }
+}
+
+/// The suns and the sky of a scene, with the default light where it has none.
+pub(super) fn filled_in(scene: &Scene, rays: &Rays) -> (Vec<Sun>, Sky) {
+    let default = scene.suns.is_empty() && scene.sky.is_none();
+    let suns = if default { vec![default_sun(rays)] } else { scene.suns.clone() };
+    (suns, scene.sky.clone().unwrap_or_default())
 }
 
 impl SunLight {
@@ -138,24 +144,24 @@ impl SkyLight {
 
     /// What the sky throws on a surface of this normal: the integral of its light over the hemisphere, by the cosine and
     /// divided by π, which takes two thirds of each slope.
-    pub(super) fn on(&self, normal: DVec3) -> DVec3 {
+    pub(crate) fn on(&self, normal: DVec3) -> DVec3 {
         self.mean + (self.upward * normal.z + self.sunward * self.side.dot(normal)) * (2.0 / 3.0)
     }
 
     /// What is seen behind everything, with its alpha: the sky, or nothing.
-    pub(super) fn background(&self, direction: DVec3) -> (DVec3, f64) {
+    pub(crate) fn background(&self, direction: DVec3) -> (DVec3, f64) {
         if self.visible { (self.seen(direction), 1.0) } else { (DVec3::ZERO, 0.0) }
     }
 
     /// What the air adds to what is seen through it: the sky above the horizon.
-    pub(super) fn air(&self, direction: DVec3) -> DVec3 {
+    pub(crate) fn air(&self, direction: DVec3) -> DVec3 {
         self.seen(direction.with_z(direction.z.max(0.0)))
     }
 
     /// The colour of the sky in a direction.
     ///
     /// What a picture shows of it is not scaled by the exposure: it has the colour that the program names.
-    fn seen(&self, direction: DVec3) -> DVec3 {
+    pub(crate) fn seen(&self, direction: DVec3) -> DVec3 {
         let height = direction.z;
         if height < 0.0 {
             let part = (-height).min(1.0);

@@ -5,22 +5,22 @@
 //! Every pixel is a pure function of the scene and its own place in the whole picture: tile sizes, threads and crops change
 //! nothing.
 
-mod camera;
+pub(crate) mod camera;
 mod color;
 mod exr_header;
 mod framing;
 mod job;
-mod light;
+pub(crate) mod light;
 mod pixel;
 mod sampling;
-mod shade;
+pub(crate) mod shade;
 mod tile;
 mod view;
 mod write_exr;
 mod write_png;
 
 use crate::fault::Fault;
-use crate::form::Scene;
+use crate::form::{Camera, Scene};
 use crate::trace::Tracer;
 
 pub use framing::frame;
@@ -55,11 +55,13 @@ pub struct RenderOptions {
     pub layers: bool,
     /// How many pixels a tile is wide and high. It affects the time, never the picture.
     pub tile: u32,
+    /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end.
+    pub detail: f64,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { size: None, crop: None, samples: None, layers: false, tile: 16 }
+        Self { size: None, crop: None, samples: None, layers: false, tile: 16, detail: 1.0 }
     }
 }
 
@@ -124,6 +126,14 @@ pub struct RayCounts {
     pub camera: u64,
     /// From surfaces to suns.
     pub shadow: u64,
+}
+
+/// Writes into a scene what it leaves to treegen: the camera that was found for it, and the light that it is seen in by default.
+/// Its picture stays the same.
+pub fn fill_in(scene: &mut Scene, camera: Camera) {
+    let rays = camera::Rays::new(&camera, scene.image.width, scene.image.height, 1.0);
+    let (suns, sky) = light::filled_in(scene, &rays);
+    (scene.suns, scene.sky, scene.camera) = (suns, Some(sky), Some(camera));
 }
 
 /// Makes a picture of a scene, on the threads of the rayon pool it is called in.

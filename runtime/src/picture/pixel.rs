@@ -13,15 +13,19 @@ const SURE: f64 = 1.0 / 320.0;
 /// Normals whose cosine is below this stand on different surfaces.
 const SMOOTH: f64 = 0.9;
 
-/// A pixel that is being made.
-#[derive(Clone, Debug)]
+/// A pixel that is being made: the mean of its samples.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pixel {
     /// Its place in the whole picture.
     pub(super) place: (u32, u32),
-    /// What the ray through its centre met, when that was asked.
-    pub(super) centre: Option<Hit>,
     count: u32,
     sum: [f64; 4],
+}
+
+/// What is remembered of a pixel's samples to tell whether it needs more of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread {
+    count: u32,
     /// The samples as the eye sees them: the least and the greatest, their sum and the sum of their squares.
     least: [f32; 4],
     greatest: [f32; 4],
@@ -53,19 +57,37 @@ struct Surface {
 
 impl Pixel {
     pub(super) fn new(place: (u32, u32)) -> Self {
-        Self {
-            place,
-            centre: None,
-            count: 0,
-            sum: [0.0; 4],
-            least: [f32::INFINITY; 4],
-            greatest: [0.0; 4],
-            seen: [0.0; 4],
-            seen_squares: [0.0; 4],
-            surface: None,
-            edge: false,
+        Self { place, count: 0, sum: [0.0; 4] }
+    }
+
+    /// Adds a sample's colour.
+    #[inline]
+    pub(super) fn add(&mut self, color: [f32; 4]) {
+        self.count += 1;
+        for (sum, value) in self.sum.iter_mut().zip(color) {
+            *sum += f64::from(value);
         }
     }
+
+    /// The mean of its samples.
+    ///
+    /// Sums in double precision of so few single numbers are exact: where all samples are the same, so is their mean.
+    pub(super) fn color(&self) -> [f32; 4] {
+        self.sum.map(|sum| (sum / f64::from(self.count.max(1))) as f32)
+    }
+}
+
+impl Spread {
+    /// Of no samples yet.
+    pub(super) const NONE: Self = Self {
+        count: 0,
+        least: [f32::INFINITY; 4],
+        greatest: [0.0; 4],
+        seen: [0.0; 4],
+        seen_squares: [0.0; 4],
+        surface: None,
+        edge: false,
+    };
 
     /// Adds a sample: its colour, and the foremost of what it met.
     pub(super) fn add(&mut self, color: [f32; 4], front: Option<&Fragment>, rays: &Rays) {
@@ -74,7 +96,6 @@ impl Pixel {
         for (channel, value) in color.into_iter().enumerate() {
             // The root comes near to how the eye sees light, and what is above white looks white.
             let seen = value.min(1.0).sqrt();
-            self.sum[channel] += f64::from(value);
             self.least[channel] = self.least[channel].min(seen);
             self.greatest[channel] = self.greatest[channel].max(seen);
             self.seen[channel] += f64::from(seen);
@@ -86,13 +107,6 @@ impl Pixel {
     pub(super) fn needs_more(&self, base: bool) -> bool {
         let differs = (0..4).any(|channel| self.greatest[channel] - self.least[channel] > CONTRAST);
         if base { differs || self.edge } else { differs && !self.is_sure() }
-    }
-
-    /// The mean of its samples.
-    ///
-    /// Sums in double precision of so few single numbers are exact: where all samples are the same, so is their mean.
-    pub(super) fn color(&self) -> [f32; 4] {
-        self.sum.map(|sum| (sum / f64::from(self.count.max(1))) as f32)
     }
 
     fn is_sure(&self) -> bool {

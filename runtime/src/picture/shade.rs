@@ -1,4 +1,4 @@
-//! Shading: what the samples of a batch look like. One deferred pass, which does not know which tracer filled them.
+//! Shading: what the rays of a batch look like. One deferred pass, which does not know which tracer filled them.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::eval::spread;
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Material, Scene};
 use crate::geometry::Ray;
-use crate::trace::{Fragment, RayFault, Sample, SurfaceRay, Tracer};
+use crate::trace::{Beam, Fragment, RayFault, Seen, SurfaceBeam, Tracer};
 
 /// More light than this says nothing more; it keeps sums finite.
 const BRIGHTEST: f64 = 1e6;
@@ -43,8 +43,8 @@ struct Paint {
 
 /// The highlight of a material.
 #[derive(Clone, Copy, Debug)]
-struct Gloss {
-    strength: f64,
+pub(crate) struct Gloss {
+    pub(crate) strength: f64,
     /// The highlight is the cosine squared so often,
     squarings: u32,
     /// with so much of what one squaring more gives.
@@ -54,9 +54,12 @@ struct Gloss {
 /// Room for shading one batch after another.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    shadow_rays: Vec<SurfaceRay>,
     owners: Vec<Owner>,
-    blocked: Vec<bool>,
+    shadow_beams: Vec<SurfaceBeam>,
+    /// Fragments that face the light, each with its shadow beam.
+    aimed: Vec<(u32, u32)>,
+    /// How much light comes along each of them.
+    light: Vec<f64>,
     lit: Vec<Lit>,
     /// The batch's colours, premultiplied.
     pub(super) colors: Vec<[f32; 4]>,
@@ -64,13 +67,16 @@ pub(super) struct Scratch {
     pub(super) shadow_count: u64,
 }
 
-/// Whose shadow ray it is.
-#[derive(Clone, Copy, Debug)]
+/// What a fragment belongs to: those with the same owner share a shadow beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Owner {
-    sample: usize,
-    fragment: usize,
-    light: Lit,
+    ray: u32,
+    /// Which part of what the ray sees it is in: so many veils may lie on a ray that each by itself hardly counts.
+    layer: u8,
 }
+
+/// How many shadow beams the fragments of one ray have at most.
+const LAYERS: f64 = 4.0;
 
 /// The light of suns on a fragment.
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,65 +91,84 @@ impl Shader {
         Self { lights, paints }
     }
 
-    /// Shades a batch into `scratch.colors`. The samples lose their sites.
+    /// Shades a batch into `scratch.colors`. The fragments lose their sites.
     ///
     /// # Errors
     /// The fault of the lowest ray that meets one.
     pub(super) fn shade(
         &self,
         tracer: &dyn Tracer,
-        rays: &[Ray],
+        beams: &[Beam],
         keys: &[Key],
-        samples: &mut [Sample],
+        seen: &mut Seen,
         scratch: &mut Scratch,
     ) -> Result<(), RayFault> {
-        check(samples)?;
-        let fragments = samples.iter().map(|sample| sample.fragments.len()).sum();
+        check(seen)?;
+        scratch.own(seen);
         scratch.lit.clear();
-        scratch.lit.resize(fragments, Lit::default());
+        scratch.lit.resize(seen.fragments().len(), Lit::default());
         for sun in 0..self.lights.suns.len() {
-            self.aim(sun, rays, keys, samples, scratch);
+            self.aim(sun, beams, keys, seen, scratch);
             scratch.trace(tracer)?;
+            self.light(sun, beams, seen, scratch);
         }
-        self.compose(rays, samples, scratch);
+        self.compose(beams, seen, scratch);
         Ok(())
     }
 
-    /// Collects the shadow rays of one sun, of all fragments that face it.
-    fn aim(&self, sun_number: usize, rays: &[Ray], keys: &[Key], samples: &mut [Sample], scratch: &mut Scratch) {
+    /// Collects the shadow beams of one sun, of all fragments that face it.
+    fn aim(&self, sun_number: usize, beams: &[Beam], keys: &[Key], seen: &mut Seen, scratch: &mut Scratch) {
         let sun = &self.lights.suns[sun_number];
         let last = sun_number + 1 == self.lights.suns.len();
-        scratch.shadow_rays.clear();
-        scratch.owners.clear();
-        let mut fragments = 0..;
-        for (number, ((sample, key), ray)) in samples.iter_mut().zip(keys).zip(rays).enumerate() {
-            for (fragment, fragment_number) in sample.fragments.iter_mut().zip(&mut fragments) {
-                let cosine = fragment.normal.dot(sun.toward);
-                if cosine <= 0.0 {
-                    continue;
-                }
+        scratch.shadow_beams.clear();
+        scratch.aimed.clear();
+        let mut shared = None;
+        for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&scratch.owners).enumerate() {
+            if fragment.spread == 0.0 && fragment.normal.dot(sun.toward) <= 0.0 {
+                continue;
+            }
+            if shared != Some(*owner) {
+                shared = Some(*owner);
                 // The last sun takes the site instead of copying it.
                 let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
-                let direction = sun.direction(key.pixel, key.sample);
-                scratch.shadow_rays.push(SurfaceRay { ray: Ray { origin: fragment.position, direction }, from });
-                let gloss = self
-                    .paint(fragment)
-                    .gloss
-                    .map_or(0.0, |gloss| gloss.highlight(fragment.normal, sun.toward, ray.direction));
-                let light = Lit { matt: sun.color * cosine, gloss: sun.color * gloss };
-                scratch.owners.push(Owner { sample: number, fragment: fragment_number, light });
+                let beam = &beams[owner.ray as usize];
+                let Key { pixel, sample, .. } = keys[owner.ray as usize];
+                let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
+                let width = beam.width_at(fragment.depth);
+                scratch.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
+            }
+            scratch.aimed.push((number as u32, scratch.shadow_beams.len() as u32 - 1));
+        }
+    }
+
+    /// Lights the fragments by what came along their shadow beams.
+    fn light(&self, sun_number: usize, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
+        let sun = &self.lights.suns[sun_number];
+        for (number, beam) in &scratch.aimed {
+            let number = *number as usize;
+            let fragment = &seen.fragments()[number];
+            let light = scratch.light[*beam as usize] * fragment.open;
+            if light == 0.0 {
+                continue;
+            }
+            let lit = &mut scratch.lit[number];
+            lit.matt += sun.color * (facing(fragment, sun.toward) * light);
+            if let Some(gloss) = self.paint(fragment).gloss {
+                let direction = beams[scratch.owners[number].ray as usize].ray.direction;
+                let highlight = gloss.highlight(fragment.normal, sun.toward, direction) * (1.0 - fragment.spread);
+                lit.gloss += sun.color * (highlight * light);
             }
         }
     }
 
-    /// Adds up each sample's fragments from front to back, and what lies behind them.
-    fn compose(&self, rays: &[Ray], samples: &[Sample], scratch: &mut Scratch) {
+    /// Adds up each ray's fragments from front to back, and what lies behind them.
+    fn compose(&self, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
         scratch.colors.clear();
         let mut lit = scratch.lit.iter();
-        for (sample, ray) in samples.iter().zip(rays) {
+        for (fragments, Beam { ray, .. }) in seen.rays().zip(beams) {
             let mut color = DVec3::ZERO;
             let mut open = 1.0;
-            for (fragment, lit) in sample.fragments.iter().zip(&mut lit) {
+            for (fragment, lit) in fragments.iter().zip(&mut lit) {
                 let coverage = within(fragment.coverage, 1.0);
                 color += self.seen(fragment, lit, ray) * (open * coverage);
                 open *= 1.0 - coverage;
@@ -162,7 +187,7 @@ impl Shader {
     /// The light that comes from a fragment to the eye.
     fn seen(&self, fragment: &Fragment, lit: &Lit, ray: &Ray) -> DVec3 {
         let paint = self.paint(fragment);
-        let light = self.lights.sky.on(fragment.normal) + lit.matt;
+        let light = self.lights.sky.on(fragment.normal * (1.0 - fragment.spread)) + lit.matt;
         let color = paint.color(fragment.route) * light + lit.gloss;
         if self.lights.haze == 0.0 {
             return color;
@@ -179,24 +204,46 @@ impl Shader {
 }
 
 impl Scratch {
-    /// Traces the shadow rays, and lights the fragments whose rays meet nothing.
+    /// Notes what each fragment belongs to.
+    fn own(&mut self, seen: &Seen) {
+        self.owners.clear();
+        for (ray, fragments) in seen.rays().enumerate() {
+            let mut hidden = 0.0;
+            for fragment in fragments {
+                let part = (1.0 - hidden) * within(fragment.coverage, 1.0);
+                let layer = ((hidden + 0.5 * part) * LAYERS) as u8;
+                hidden += part;
+                self.owners.push(Owner { ray: ray as u32, layer });
+            }
+        }
+    }
+
+    /// Traces the shadow beams.
     fn trace(&mut self, tracer: &dyn Tracer) -> Result<(), RayFault> {
-        if self.shadow_rays.is_empty() {
+        self.light.clear();
+        if self.shadow_beams.is_empty() {
             return Ok(());
         }
-        self.shadow_count += self.shadow_rays.len() as u64;
-        let owners = &self.owners;
-        tracer.blocked(&self.shadow_rays, &mut self.blocked).map_err(|fault| {
-            let ray = owners.get(fault.ray).map_or(0, |owner| owner.sample);
-            RayFault { ray, fault: fault.fault }
-        })?;
-        for (owner, _) in owners.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
-            let lit = &mut self.lit[owner.fragment];
-            lit.matt += owner.light.matt;
-            lit.gloss += owner.light.gloss;
-        }
-        Ok(())
+        self.shadow_count += self.shadow_beams.len() as u64;
+        tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
+            let first = self.aimed.iter().find(|(_, beam)| *beam as usize == ray);
+            let owner = first.and_then(|(fragment, _)| self.owners.get(*fragment as usize));
+            RayFault { ray: owner.map_or(0, |it| it.ray as usize), fault }
+        })
     }
+}
+
+/// How much of a light falls on a fragment: the cosine of a surface, the mean of the cosines where normals differ.
+///
+/// In between it is the root that is exact for one normal and for normals of all sides, whose mean is a quarter.
+fn facing(fragment: &Fragment, toward: DVec3) -> f64 {
+    let cosine = fragment.normal.dot(toward);
+    if fragment.spread == 0.0 {
+        return cosine;
+    }
+    let length = 1.0 - fragment.spread;
+    let (cosine, rest) = (cosine * length, 0.25 * (1.0 - length * length));
+    0.5 * (cosine + (cosine * cosine + rest).sqrt())
 }
 
 impl Paint {
@@ -216,19 +263,28 @@ impl Paint {
         let Some(range) = self.range else {
             return self.linear;
         };
-        let red = spread(route);
-        let green = spread(red);
-        let draws = DVec3::new(uniform(red), uniform(green), uniform(spread(green)));
-        linear(self.srgb + range * draws)
+        linear(varied(self.srgb, range, route))
     }
 }
 
+/// The colour, sRGB, of a material on the solid that has this route.
+pub(crate) fn varied(color: DVec3, range: DVec3, route: u64) -> DVec3 {
+    let red = spread(route);
+    let green = spread(red);
+    color + range * DVec3::new(uniform(red), uniform(green), uniform(spread(green)))
+}
+
 impl Gloss {
-    fn new(gloss: f64) -> Option<Self> {
+    pub(crate) fn new(gloss: f64) -> Option<Self> {
         let gloss = within(gloss, 1.0);
         let squarings = 3.0 + 5.0 * gloss;
         let whole = squarings.floor();
         (gloss > 0.0).then_some(Self { strength: 0.55 * gloss, squarings: whole as u32, part: squarings - whole })
+    }
+
+    /// The power of the cosine that the highlight comes near.
+    pub(crate) fn exponent(self) -> f64 {
+        libm::exp2(f64::from(self.squarings) + self.part)
     }
 
     /// Blinn's highlight (1977), with squares in place of a power.
@@ -253,15 +309,16 @@ fn uniform(bits: u64) -> f64 {
 }
 
 /// Looks whether all that was seen is somewhere.
-fn check(samples: &[Sample]) -> Result<(), RayFault> {
-    for (ray, sample) in samples.iter().enumerate() {
-        for fragment in &sample.fragments {
-            // Infinities of both signs add up to what is no number, which is not finite either.
-            if !(fragment.position + fragment.normal).element_sum().is_finite() {
-                let kind = FaultKind::NotANumber { operation: "hit", operands: Vec::new() };
-                return Err(RayFault { ray, fault: Fault::new(kind, fragment.origin) });
-            }
-        }
+fn check(seen: &Seen) -> Result<(), RayFault> {
+    // Infinities of both signs add up to what is no number, which is not finite either.
+    let is_somewhere = |it: &Fragment| (it.position + it.normal).element_sum().is_finite();
+    if seen.fragments().iter().all(is_somewhere) {
+        return Ok(());
     }
-    Ok(())
+    let lost = |fragments: &[Fragment]| fragments.iter().find(|it| !is_somewhere(it)).map(|it| it.origin);
+    let Some((ray, origin)) = seen.rays().enumerate().find_map(|(ray, it)| Some((ray, lost(it)?))) else {
+        return Ok(());
+    };
+    let kind = FaultKind::NotANumber { operation: "hit", operands: Vec::new() };
+    Err(RayFault { ray, fault: Fault::new(kind, origin) })
 }

@@ -3,13 +3,12 @@
 use glam::DVec2;
 
 use super::camera::Rays;
-use super::pixel::{Hit, Pixel};
+use super::pixel::{Hit, Pixel, Spread};
 use super::shade::{Key, Scratch, Shader};
 use super::view::View;
 use super::{RayCounts, Rect, Watch};
 use crate::fault::Fault;
-use crate::geometry::Ray;
-use crate::trace::{RayFault, Sample, Tracer};
+use crate::trace::{Beam, RayFault, Seen, Tracer};
 
 /// How many rays go to the tracer at once: enough for its packets, few enough that their samples stay in cache.
 const BATCH: usize = 256;
@@ -41,10 +40,14 @@ pub(super) struct Painter<'a> {
     /// The places of a whole tile, in the order in which they are painted.
     order: Vec<(u32, u32)>,
     pixels: Vec<Pixel>,
+    /// Of each pixel, if pixels may need more samples than they begin with.
+    spreads: Vec<Spread>,
+    /// Of each pixel, what the ray through its centre met, if that was asked.
+    centres: Vec<Option<Hit>>,
     active: Vec<u32>,
     keys: Vec<Key>,
-    camera_rays: Vec<Ray>,
-    samples: Vec<Sample>,
+    beams: Vec<Beam>,
+    seen: Seen,
     scratch: Scratch,
     camera_count: u64,
 }
@@ -55,10 +58,12 @@ impl<'a> Painter<'a> {
             setting,
             order: along_z(setting.view.tile),
             pixels: Vec::new(),
+            spreads: Vec::new(),
+            centres: Vec::new(),
             active: Vec::new(),
             keys: Vec::new(),
-            camera_rays: Vec::new(),
-            samples: Vec::new(),
+            beams: Vec::new(),
+            seen: Seen::default(),
             scratch: Scratch::default(),
             camera_count: 0,
         }
@@ -69,17 +74,17 @@ impl<'a> Painter<'a> {
         RayCounts { camera: self.camera_count, shadow: self.scratch.shadow_count }
     }
 
-    /// Makes the pixels of a rectangle, in no order.
+    /// Makes the pixels of a rectangle, in no order, and finds what the rays through their centres met if that is asked.
     ///
     /// # Errors
     /// The fault of the rectangle's lowest pixel that meets one; or the watch's wish.
-    pub(super) fn paint(&mut self, rect: &Rect) -> Result<&[Pixel], Stop> {
+    pub(super) fn paint(&mut self, rect: &Rect) -> Result<(&[Pixel], &[Option<Hit>]), Stop> {
         let order = std::mem::take(&mut self.order);
         let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
         let result = self.run(inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)));
         self.order = order;
         match result {
-            Ok(()) => Ok(&self.pixels),
+            Ok(()) => Ok((&self.pixels, &self.centres)),
             Err(Stop::Interrupted) => Err(Stop::Interrupted),
             Err(Stop::Fault(pixel, fault)) => Err(self.lowest(rect, pixel, fault)),
         }
@@ -103,6 +108,14 @@ impl<'a> Painter<'a> {
         self.active.clear();
         self.active.extend(0..self.pixels.len() as u32);
         let View { samples, most, layers, .. } = *self.setting.view;
+        self.spreads.clear();
+        if samples < most {
+            self.spreads.resize(self.pixels.len(), Spread::NONE);
+        }
+        self.centres.clear();
+        if layers {
+            self.centres.resize(self.pixels.len(), None);
+        }
         if layers && samples > 1 {
             self.look_through_centres()?;
         }
@@ -110,9 +123,11 @@ impl<'a> Painter<'a> {
         let mut until = samples;
         while done < until && !self.active.is_empty() {
             self.add_samples(done, until)?;
-            let pixels = &self.pixels;
-            let base = done == 0;
-            self.active.retain(|slot| pixels[*slot as usize].needs_more(base));
+            if until == most {
+                break;
+            }
+            let (spreads, base) = (&self.spreads, done == 0);
+            self.active.retain(|slot| spreads[*slot as usize].needs_more(base));
             done = until;
             until = until.saturating_mul(2).min(most);
         }
@@ -150,14 +165,14 @@ impl<'a> Painter<'a> {
 
     fn begin_batch(&mut self) {
         self.keys.clear();
-        self.camera_rays.clear();
+        self.beams.clear();
     }
 
     fn add_ray(&mut self, slot: u32, sample: u32, offset: DVec2) {
         let pixel = self.pixels[slot as usize].place;
         let at = DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset;
         self.keys.push(Key { slot, pixel, sample });
-        self.camera_rays.push(self.setting.rays.through(at.x, at.y));
+        self.beams.push(self.setting.rays.through(at.x, at.y));
     }
 
     fn flush(&mut self) -> Result<(), Stop> {
@@ -169,11 +184,15 @@ impl<'a> Painter<'a> {
         if setting.view.layers && setting.view.samples == 1 {
             self.keep_centres();
         }
-        let shaded =
-            setting.shader.shade(setting.tracer, &self.camera_rays, &self.keys, &mut self.samples, &mut self.scratch);
+        let shaded = setting.shader.shade(setting.tracer, &self.beams, &self.keys, &mut self.seen, &mut self.scratch);
         shaded.map_err(|fault| self.stop(fault))?;
-        for ((key, color), sample) in self.keys.iter().zip(&self.scratch.colors).zip(&self.samples) {
-            self.pixels[key.slot as usize].add(*color, sample.fragments.first(), setting.rays);
+        for (key, color) in self.keys.iter().zip(&self.scratch.colors) {
+            self.pixels[key.slot as usize].add(*color);
+        }
+        if !self.spreads.is_empty() {
+            for ((key, color), fragments) in self.keys.iter().zip(&self.scratch.colors).zip(self.seen.rays()) {
+                self.spreads[key.slot as usize].add(*color, fragments.first(), setting.rays);
+            }
         }
         self.begin_batch();
         Ok(())
@@ -183,14 +202,14 @@ impl<'a> Painter<'a> {
         if self.setting.watch.interrupted() {
             return Err(Stop::Interrupted);
         }
-        self.camera_count += self.camera_rays.len() as u64;
-        self.setting.tracer.look(&self.camera_rays, &mut self.samples).map_err(|fault| self.stop(fault))
+        self.camera_count += self.beams.len() as u64;
+        self.setting.tracer.look(&self.beams, &mut self.seen).map_err(|fault| self.stop(fault))
     }
 
     fn keep_centres(&mut self) {
         let forward = self.setting.rays.forward();
-        for ((key, sample), ray) in self.keys.iter().zip(&self.samples).zip(&self.camera_rays) {
-            self.pixels[key.slot as usize].centre = Hit::of(&sample.fragments, ray.direction.dot(forward));
+        for ((key, fragments), beam) in self.keys.iter().zip(self.seen.rays()).zip(&self.beams) {
+            self.centres[key.slot as usize] = Hit::of(fragments, beam.ray.direction.dot(forward));
         }
     }
 

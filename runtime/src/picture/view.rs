@@ -21,6 +21,7 @@ pub(super) struct View {
     pub(super) most: u32,
     pub(super) layers: bool,
     pub(super) tile: u32,
+    pub(super) detail: f64,
 }
 
 impl View {
@@ -45,6 +46,7 @@ impl View {
             most,
             layers: options.layers,
             tile: options.tile.clamp(1, 256),
+            detail: if options.detail > 0.0 { options.detail } else { 0.0 },
         })
     }
 }

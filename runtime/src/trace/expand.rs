@@ -11,7 +11,7 @@ use super::{Route, shapes};
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, Path, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, SystemId, Value};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, ShapeId, SystemId, Value};
 use crate::geometry::{Part, Primitive};
 use crate::limits::Limits;
 
@@ -118,6 +118,25 @@ impl<'s> Expander<'s> {
         Ok(group)
     }
 
+    /// What the program says shall stand for a state from far away; none if it says nothing.
+    ///
+    /// # Errors
+    /// As [`Expander::expand`].
+    pub fn expand_proxy(&self, state: &State) -> Result<Option<Group>, Fault> {
+        let Entry::Select(id) = state.entry else {
+            return Ok(None);
+        };
+        let Some(proxy) = self.graph.select(id).proxy else {
+            return Ok(None);
+        };
+        let (left, copies) = (self.limits.items, self.limits.repeat);
+        let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
+        let (env, route) = (self.env(state), Route::START);
+        let mut group = Group::default();
+        walk.add(&mut group, proxy, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        Ok(Some(group))
+    }
+
     /// What to tell about a state in the trail of a fault below it.
     pub fn trail_step(&self, state: &State, origin: Origin) -> TrailStep {
         match state.entry {
@@ -159,9 +178,9 @@ impl<'s> Expander<'s> {
 }
 
 // What tells the kinds of steps of a route apart.
-pub(super) const CHOICE: u64 = 0x1000_0000_0000_0000;
-pub(super) const COPY: u64 = 0x2000_0000_0000_0000;
-pub(super) const OPERAND: u64 = 0x3000_0000_0000_0000;
+pub(crate) const CHOICE: u64 = 0x1000_0000_0000_0000;
+pub(crate) const COPY: u64 = 0x2000_0000_0000_0000;
+pub(crate) const OPERAND: u64 = 0x3000_0000_0000_0000;
 
 /// Where a walk through the nodes of a state is.
 #[derive(Clone)]
@@ -263,14 +282,17 @@ impl Walk<'_, '_> {
                     let state = self.expander.state(Entry::System(call.system), &env);
                     return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
                 }
-                Node::Shape(shape) => {
-                    let Expander { seed, limits, .. } = self.expander;
-                    let env = here.env.clone();
-                    let mut taker = InGroup { walk: self, group, here: &here };
-                    return shapes::parts(graph, *shape, &env, *seed, limits, &mut taker);
-                }
+                Node::Shape(shape) => return self.derive(group, *shape, &here),
             }
         }
+    }
+
+    /// Adds what a shape derives to to a group. (Apart, since a derivation takes more stack than a step down the graph.)
+    #[inline(never)]
+    fn derive(&mut self, group: &mut Group, shape: ShapeId, here: &Here) -> Result<(), Fault> {
+        let Expander { graph, seed, limits, .. } = self.expander;
+        let mut taker = InGroup { walk: self, group, here };
+        shapes::parts(graph, shape, &here.env, *seed, limits, &mut taker)
     }
 
     fn operands(&mut self, operands: &[NodeId], here: &Here) -> Result<Vec<Group>, Fault> {

@@ -147,13 +147,14 @@ fn select_reads<'a>(select: &Select, functions: &[Live], at: impl Fn(NodeId) -> 
         rule.guard.iter().chain(&rule.weight).for_each(|it| live.add(&reads(it, functions).0));
         live.add(at(rule.body));
     }
+    select.proxy.iter().for_each(|it| live.add(at(*it)));
     live
 }
 
 /// What a shape reads. What it assigns before reading it is counted too, which does no harm: nobody else gives that a value.
 fn shape_reads<'a>(shape: &Shape, functions: &[Live], at: impl Fn(&NodeId) -> &'a Live) -> Live {
-    let mut live = Live::default();
-    live.path = shape.modules.iter().any(|it| matches!(it.choice, Choice::Weighted(_)));
+    let path = shape.modules.iter().any(|it| matches!(it.choice, Choice::Weighted(_)));
+    let mut live = Live { path, ..Live::default() };
     for walk in shape.walks() {
         walk.visit(&mut |stride| match stride {
             Stride::Place { solid, .. } => live.add(at(solid)),

@@ -1,7 +1,7 @@
 //! Ray tracing: what a ray meets first.
 //!
 //! There are two tracers of one shape. [`reference`] walks the graph by the book (GT95, section 3): slow, short, obviously right.
-//! The other is fast and goes through states and cells. Whoever shades cannot tell which one filled a [`Sample`].
+//! The other is fast and goes through states and cells. Whoever shades cannot tell which one it was that saw.
 
 pub mod cells;
 mod expand;
@@ -9,8 +9,9 @@ mod find;
 mod liveness;
 pub mod reference;
 mod route;
-mod shapes;
+pub(crate) mod shapes;
 
+pub(crate) use expand::{CHOICE, COPY, OPERAND};
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
 pub use find::{Derivable, find_shape};
 pub use route::Route;
@@ -22,14 +23,63 @@ use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Ray};
 use glam::DVec3;
 
-/// What one ray saw: fragments from front to back, the last one opaque. Empty when it met nothing.
+/// What rays saw: for each a list of fragments from front to back, ended by an opaque one, or empty where it met nothing.
 #[derive(Clone, Debug, Default)]
-pub struct Sample {
-    /// The fragments.
-    pub fragments: SmallVec<[Fragment; 1]>,
+pub struct Seen {
+    fragments: Vec<Fragment>,
+    /// For each ray, the number of fragments of all rays up to and with it.
+    ends: Vec<u32>,
 }
 
-/// A piece of surface that a ray met.
+impl Seen {
+    /// Forgets all rays.
+    pub fn clear(&mut self) {
+        self.fragments.clear();
+        self.ends.clear();
+    }
+
+    /// Adds a fragment to the ray that has not ended yet.
+    pub fn push(&mut self, fragment: Fragment) {
+        self.fragments.push(fragment);
+    }
+
+    /// Ends a ray: fragments from now on are the next one's.
+    pub fn end_ray(&mut self) {
+        self.ends.push(self.fragments.len() as u32);
+    }
+
+    /// How many rays have ended.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether no ray has ended.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// What each ray saw.
+    pub fn rays(&self) -> impl Iterator<Item = &[Fragment]> {
+        let mut start = 0;
+        self.ends.iter().map(move |end| {
+            let fragments = self.fragments.get(start..*end as usize).unwrap_or_default();
+            start = *end as usize;
+            fragments
+        })
+    }
+
+    /// The fragments of all rays, those of the first ray first.
+    pub fn fragments(&self) -> &[Fragment] {
+        &self.fragments
+    }
+
+    /// The fragments of all rays, to be changed.
+    pub fn fragments_mut(&mut self) -> &mut [Fragment] {
+        &mut self.fragments
+    }
+}
+
+/// A piece of surface that a ray met, or many pieces that are too small to be told apart.
 #[derive(Clone, Debug)]
 pub struct Fragment {
     /// How much of what lies behind it hides: 1 is opaque.
@@ -39,16 +89,42 @@ pub struct Fragment {
     /// Where in the world.
     pub position: DVec3,
     /// The surface's normal there, of length 1. It points out of the solid; a surface without an inside shows its normal on the
-    /// side that the ray came from.
+    /// side that the ray came from. Of many surfaces that are too small to be told apart it is the direction of the mean normal.
     pub normal: DVec3,
+    /// How much the normals there differ: 0 where there is one, up to 1 where there are those of all sides. The mean normal has
+    /// the length 1 - spread.
+    pub spread: f64,
+    /// How much of what faces a light there is not in the shadow of something else there: 1 on a surface.
+    pub open: f64,
     /// Its paint; none is matt grey.
     pub material: Option<MaterialId>,
+    /// Whether the paint could not be found out, since what the fragment stands for is being measured itself.
+    pub unknown: bool,
     /// A hash of the route of choices and copies that led to the solid. The same solid has the same route in every tracer.
     pub route: u64,
     /// The primitive's place in the text.
     pub origin: Origin,
     /// Which primitive it is: rays that start here are told apart from rays that come back.
     pub site: Site,
+}
+
+impl Fragment {
+    /// An opaque piece of one surface.
+    pub fn of_surface(depth: f64, position: DVec3, normal: DVec3, origin: Origin) -> Self {
+        Self {
+            coverage: 1.0,
+            depth,
+            position,
+            normal,
+            spread: 0.0,
+            open: 1.0,
+            material: None,
+            unknown: false,
+            route: 0,
+            origin,
+            site: Site::default(),
+        }
+    }
 }
 
 /// Names one primitive among all that a scene stands for, for the tracer that made it: the numbers of the parts on the way to it,
@@ -64,11 +140,36 @@ pub struct Site {
     pub face: u8,
 }
 
-/// A ray that starts on a surface.
-#[derive(Clone, Debug)]
-pub struct SurfaceRay {
-    /// The ray.
+/// A ray as wide as what it stands for: recursion is not followed into what is smaller.
+///
+/// At `t` the beam is `width + spread * t` wide, in lengths of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Its middle.
     pub ray: Ray,
+    /// How wide it is where it starts.
+    pub width: f64,
+    /// By how much it grows in a unit of t.
+    pub spread: f64,
+}
+
+impl Beam {
+    /// A beam without width: recursion is followed to its end.
+    pub fn thin(ray: Ray) -> Self {
+        Self { ray, width: 0.0, spread: 0.0 }
+    }
+
+    /// How wide it is at `t`; before its start as wide as there.
+    pub fn width_at(&self, t: f64) -> f64 {
+        self.width + self.spread * t.max(0.0)
+    }
+}
+
+/// A beam that starts on a surface.
+#[derive(Clone, Debug)]
+pub struct SurfaceBeam {
+    /// The beam.
+    pub beam: Beam,
     /// The surface it starts on.
     pub from: Site,
 }
@@ -82,19 +183,26 @@ pub struct RayFault {
     pub fault: Fault,
 }
 
-/// Something that finds what rays meet. Rays come in batches, near ones together.
+/// Something that finds what beams meet. They come in batches, near ones together.
 pub trait Tracer: Sync {
-    /// What each of the rays sees: `samples` is cleared, then holds one sample a ray.
+    /// What each of the beams sees: `seen` is cleared first.
     ///
     /// # Errors
-    /// The fault of the lowest ray that meets one.
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault>;
+    /// The fault of the lowest beam that meets one.
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault>;
 
-    /// Whether each of the rays meets anything at all: `blocked` is cleared, then holds one answer a ray.
+    /// What each of the beams sees that start on surfaces, as mirrors need it: `seen` is cleared first.
     ///
     /// # Errors
-    /// The fault of the lowest ray that meets one.
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault>;
+    /// The fault of the lowest beam that meets one.
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault>;
+
+    /// How much of the light comes through to where each of the beams starts, from 0 to 1: `light` is cleared, then holds
+    /// one answer a beam.
+    ///
+    /// # Errors
+    /// The fault of the lowest beam that meets one.
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault>;
 
     /// A box around all that is finite in the scene; empty when nothing is.
     ///

@@ -2,14 +2,15 @@
 //!
 //! A ray is passed from node to node. S-nodes select, C-nodes calculate, T-nodes map the ray and add their matrix to a chain, operator
 //! nodes combine the intervals that their operands give, primitives give theirs, each with the chain on which it was reached.
-//! Nothing is kept from one ray to the next, nothing is culled. It is slow, and the oracle of the fast tracer's tests.
+//! Nothing is kept from one ray to the next, nothing is culled, and every recursion is followed to its end, however wide a
+//! beam. It is slow, and the oracle of the fast tracer's tests.
 
 use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
-use super::{Fragment, RayFault, Route, Sample, Site, SurfaceRay, Tracer, expand, shapes};
+use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, expand, shapes};
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
@@ -55,30 +56,42 @@ impl<'s> Reference<'s> {
         Ok((line, walk.surfaces))
     }
 
-    fn see(&self, ray: &Ray) -> Result<Sample, Fault> {
-        let (line, surfaces) = self.walk(ray, None)?;
-        let mut sample = Sample::default();
-        if let Some((t, surface, flipped)) = line.first_after_start() {
-            sample.fragments.push(surfaces[surface as usize].fragment(ray, t, flipped));
+    fn see(&self, ray: &Ray, from: Option<&Site>) -> Result<Option<Fragment>, Fault> {
+        let (line, surfaces) = self.walk(ray, from)?;
+        let first = line.first_after_start();
+        Ok(first.map(|(t, surface, flipped)| surfaces[surface as usize].fragment(ray, t, flipped)))
+    }
+
+    fn see_all<'r>(
+        &self,
+        rays: impl Iterator<Item = (&'r Ray, Option<&'r Site>)>,
+        seen: &mut Seen,
+    ) -> Result<(), RayFault> {
+        seen.clear();
+        for (number, (ray, from)) in rays.enumerate() {
+            let first = self.see(ray, from).map_err(|fault| RayFault { ray: number, fault })?;
+            first.into_iter().for_each(|it| seen.push(it));
+            seen.end_ray();
         }
-        Ok(sample)
+        Ok(())
     }
 }
 
 impl Tracer for Reference<'_> {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
-        for (number, ray) in rays.iter().enumerate() {
-            samples.push(self.see(ray).map_err(|fault| RayFault { ray: number, fault })?);
-        }
-        Ok(())
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        self.see_all(beams.iter().map(|it| (&it.ray, None)), seen)
     }
 
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
-        blocked.clear();
-        for (number, it) in rays.iter().enumerate() {
-            let (line, _) = self.walk(&it.ray, Some(&it.from)).map_err(|fault| RayFault { ray: number, fault })?;
-            blocked.push(line.first_after_start().is_some());
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        self.see_all(beams.iter().map(|it| (&it.beam.ray, Some(&it.from))), seen)
+    }
+
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        for (number, it) in beams.iter().enumerate() {
+            let walked = self.walk(&it.beam.ray, Some(&it.from));
+            let (line, _) = walked.map_err(|fault| RayFault { ray: number, fault })?;
+            light.push(if line.first_after_start().is_some() { 0.0 } else { 1.0 });
         }
         Ok(())
     }
@@ -134,14 +147,10 @@ impl Surface {
             normal = -normal;
         }
         Fragment {
-            coverage: 1.0,
-            depth: t,
-            position: world_ray.at(t),
-            normal,
             material: self.material,
             route: self.route.hash(),
-            origin: self.origin,
             site: self.site.clone(),
+            ..Fragment::of_surface(t, world_ray.at(t), normal, self.origin)
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::geometry::{Joints, Part};
 use crate::limits::Limits;
 
 /// Someone who takes the parts of a shape.
-pub(super) trait Taker {
+pub(crate) trait Taker {
     /// A solid, placed in the space of the shape's system.
     fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault>;
 
@@ -20,7 +20,7 @@ pub(super) trait Taker {
 }
 
 /// Derives a shape, and hands on its parts: first the solids that were placed, then the stems.
-pub(super) fn parts(
+pub(crate) fn parts(
     graph: &Graph,
     shape: ShapeId,
     env: &Env,
@@ -44,7 +44,7 @@ pub(super) fn parts(
 }
 
 /// The map to the system's space and the route of a placed solid.
-pub(super) fn way(placed: &Placed<'_>) -> (DAffine3, Route) {
+pub(crate) fn way(placed: &Placed<'_>) -> (DAffine3, Route) {
     (placed.system_from_frame, Route::step(placed.route))
 }
 

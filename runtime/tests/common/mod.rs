@@ -8,6 +8,8 @@ use treegen_runtime::form::{
     PrimitiveKind, Reg, Rule, Scene, Select, SelectId, Slot, System, SystemId, TransformKind, Value,
 };
 use treegen_runtime::geometry::Ray;
+use treegen_runtime::trace::reference::Reference;
+use treegen_runtime::trace::{Beam, Fragment, Seen, Tracer};
 
 /// A code that gives these numbers.
 pub(crate) fn numbers(values: &[f64]) -> Code {
@@ -284,4 +286,25 @@ pub(crate) fn ray_bundle(side: u32, half_width: f64) -> Vec<Ray> {
         }
     }
     rays
+}
+
+/// What one ray saw.
+pub(crate) type Sample = Vec<Fragment>;
+
+/// What a tracer sees.
+pub(crate) fn look(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Sample> {
+    let mut seen = Seen::default();
+    let beams: Vec<Beam> = rays.iter().copied().map(Beam::thin).collect();
+    tracer.look(&beams, &mut seen).expect("these scenes have no faults");
+    seen.rays().map(<[Fragment]>::to_vec).collect()
+}
+
+/// Whether the reference itself sees the same from a hair's breadth beside each ray: only there a difference counts.
+pub(crate) fn is_steady(reference: &Reference, ray: &Ray) -> bool {
+    let beside = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    let mut rays = vec![*ray];
+    rays.extend(beside.map(|it| Ray { origin: ray.origin + it * 4e-6, ..*ray }));
+    let seen = look(reference, &rays);
+    let what = |it: &Sample| it.first().map(|it| (it.origin, it.route, it.site.clone()));
+    seen.iter().all(|it| what(it) == what(&seen[0]))
 }

@@ -5,7 +5,7 @@ use treegen_runtime::form::{
     Camera, Code, Graph, ImageSettings, Lens, Material, MaterialId, Node, NodeId, Origin, Scene, Sun, System, SystemId,
 };
 use treegen_runtime::geometry::{Aabb, Ray};
-use treegen_runtime::trace::{Fragment, RayFault, Sample, Site, SurfaceRay, Tracer};
+use treegen_runtime::trace::{Beam, Fragment, RayFault, Seen, Site, SurfaceBeam, Tracer};
 use treegen_runtime::{Fault, FaultKind};
 
 /// A sphere.
@@ -78,15 +78,12 @@ impl Spheres {
     fn fragment(&self, ray: &Ray, (t, number): (f64, u32)) -> Fragment {
         let position = ray.at(t);
         let sphere = number.checked_sub(1).map(|index| self.spheres[index as usize]);
+        let normal = sphere.map_or(DVec3::Z, |sphere| (position - sphere.center) / sphere.radius);
         Fragment {
-            coverage: 1.0,
-            depth: t,
-            position,
-            normal: sphere.map_or(DVec3::Z, |sphere| (position - sphere.center) / sphere.radius),
             material: sphere.map_or(Some(MaterialId(0)), |sphere| sphere.material),
             route: u64::from(number),
-            origin: Origin::NONE,
             site: Site { path: [number].into_iter().collect(), face: 0 },
+            ..Fragment::of_surface(t, position, normal, Origin::NONE)
         }
     }
 
@@ -110,21 +107,32 @@ impl Sphere {
 }
 
 impl Tracer for Spheres {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
-        for (number, ray) in rays.iter().enumerate() {
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        for (number, Beam { ray, .. }) in beams.iter().enumerate() {
             if let Some(fault) = self.fault(ray) {
                 return Err(RayFault { ray: number, fault });
             }
-            let fragments = self.nearest(ray, None).map(|hit| self.fragment(ray, hit)).into_iter().collect();
-            samples.push(Sample { fragments });
+            self.nearest(ray, None).into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
+            seen.end_ray();
         }
         Ok(())
     }
 
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
-        blocked.clear();
-        blocked.extend(rays.iter().map(|ray| self.nearest(&ray.ray, ray.from.path.first().copied()).is_some()));
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        for SurfaceBeam { beam: Beam { ray, .. }, from } in beams {
+            let nearest = self.nearest(ray, from.path.first().copied());
+            nearest.into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
+            seen.end_ray();
+        }
+        Ok(())
+    }
+
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        let blocked = |it: &SurfaceBeam| self.nearest(&it.beam.ray, it.from.path.first().copied()).is_some();
+        light.extend(beams.iter().map(|it| if blocked(it) { 0.0 } else { 1.0 }));
         Ok(())
     }
 

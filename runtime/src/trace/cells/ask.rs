@@ -2,9 +2,11 @@
 
 use smallvec::SmallVec;
 
+use super::measure::Measuring;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::trace::Site;
+use crate::geometry::FACE;
+use crate::trace::{Beam, Site};
 
 /// No part, or no trail.
 pub(super) const NONE: u32 = u32::MAX;
@@ -23,9 +25,9 @@ pub(super) enum Question {
 }
 
 /// A surface of a part of a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Mark {
-    /// Inside Booleans, the way from the Boolean's cell to the cell of the part; see [`Ask::trail`].
+    /// The way from the scene's cell to the cell of the part.
     pub(super) trail: u32,
     pub(super) part: u32,
     pub(super) face: u8,
@@ -40,13 +42,166 @@ pub(super) struct Event {
     pub(super) flipped: bool,
 }
 
-/// What was found.
-#[derive(Clone, Debug)]
-pub(super) struct Found {
-    /// The numbers of the parts on the way.
-    pub(super) path: SmallVec<[u32; 12]>,
-    pub(super) face: u8,
-    pub(super) flipped: bool,
+/// What was found, packed: a surface, and whether it is flipped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Found(pub(super) u64);
+
+impl Found {
+    /// Nothing.
+    pub(super) const NOTHING: Self = Self(u64::MAX);
+    const FACE: u32 = FACE.ilog2();
+    const FLIPPED: u32 = 31;
+    const TRAIL: u32 = 32;
+
+    /// Parts are below 2^26, since a state has at most 10^6, and faces below 2^5.
+    #[inline(always)]
+    pub(super) fn new(mark: Mark, flipped: bool) -> Self {
+        let Mark { trail, part, face } = mark;
+        let low = part | u32::from(face) << Self::FACE | u32::from(flipped) << Self::FLIPPED;
+        Self(u64::from(low) | u64::from(trail) << Self::TRAIL)
+    }
+
+    pub(super) fn is_nothing(self) -> bool {
+        self == Self::NOTHING
+    }
+
+    pub(super) fn mark(self) -> Mark {
+        let low = self.0 as u32;
+        let part = low & ((1 << Self::FACE) - 1);
+        Mark { trail: (self.0 >> Self::TRAIL) as u32, part, face: (low >> Self::FACE) as u8 & 31 }
+    }
+
+    pub(super) fn is_flipped(self) -> bool {
+        self.0 as u32 >> Self::FLIPPED == 1
+    }
+}
+
+/// Ways through cells, as lists that share their beginnings: each is a way before, and the number of a part.
+#[derive(Debug, Default)]
+pub(super) struct Trails(Vec<(u32, u32)>);
+
+impl Trails {
+    /// Forgets all ways.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// The way `trail`, and then the part of this number.
+    #[inline(always)]
+    pub(super) fn on(&mut self, trail: u32, part: u32) -> u32 {
+        self.0.push((trail, part));
+        self.0.len() as u32 - 1
+    }
+
+    /// The numbers on the way to a surface, that of its own part included.
+    pub(super) fn path(&self, mark: Mark) -> SmallVec<[u32; 12]> {
+        let mut path: SmallVec<[u32; 12]> = SmallVec::new();
+        path.push(mark.part);
+        let mut trail = mark.trail;
+        while let Some((before, part)) = self.0.get(trail as usize) {
+            path.push(*part);
+            trail = *before;
+        }
+        path.reverse();
+        path
+    }
+
+    /// Whether one surface was written before another.
+    #[cold]
+    pub(super) fn is_before(&self, one: Mark, other: Mark) -> bool {
+        self.path(one) < self.path(other)
+    }
+}
+
+/// What lets some of what lies behind it be seen: what stands for a part where recursion ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Veil {
+    /// The ray's number in its packet.
+    pub(super) ray: u8,
+    pub(super) t: f64,
+    /// How much it hides.
+    pub(super) coverage: f64,
+    /// The instance that it stands for.
+    pub(super) mark: Mark,
+}
+
+/// What is noted on the way of rays.
+#[derive(Debug, Default)]
+pub(super) struct Notes {
+    pub(super) trails: Trails,
+    /// The veils of all rays of a packet, in no order.
+    pub(super) veils: Vec<Veil>,
+}
+
+impl Notes {
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.trails.clear();
+        self.veils.clear();
+    }
+}
+
+/// How wide a beam is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Girth {
+    pub(super) width: f64,
+    pub(super) spread: f64,
+}
+
+impl Girth {
+    /// Of a beam.
+    pub(super) fn of(beam: &Beam) -> Self {
+        Self { width: beam.width, spread: beam.spread }
+    }
+
+    /// How wide it is at `t`.
+    #[inline(always)]
+    pub(super) fn at(self, t: f64) -> f64 {
+        self.width + self.spread * if t > 0.0 { t } else { 0.0 }
+    }
+}
+
+/// How much light is lost on a way. Losses are whole numbers, so that their sum does not depend on their order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Loss(u64);
+
+impl Loss {
+    const UNIT: f64 = (1_u64 << 32) as f64;
+    /// So much is lost that what is left does not count.
+    const DARK: Self = Self(6 << 32);
+
+    /// What a veil takes away that hides so much.
+    pub(super) fn by(coverage: f64) -> Self {
+        let open = 1.0 - coverage;
+        if open < 1e-3 { Self::DARK } else { Self((-libm::log(open) * Self::UNIT) as u64) }
+    }
+
+    #[must_use]
+    pub(super) fn and(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+
+    pub(super) fn is_dark(self) -> bool {
+        self >= Self::DARK
+    }
+
+    /// How much light is left.
+    pub(super) fn left(self) -> f64 {
+        if self.0 == 0 {
+            1.0
+        } else if self.is_dark() {
+            0.0
+        } else {
+            libm::exp(-(self.0 as f64 / Self::UNIT))
+        }
+    }
+}
+
+impl PartialOrd for Loss {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        self.0.partial_cmp(&other.0)
+    }
 }
 
 /// A question along one ray.
@@ -55,32 +210,56 @@ pub(super) struct Ask<'q> {
     pub(super) question: Question,
     /// The surface the ray starts on.
     pub(super) from: Option<&'q Site>,
+    pub(super) girth: Girth,
+    /// The ray's number in its packet.
+    pub(super) ray: u8,
     /// Where the nearest hit is so far, or the exit.
     pub(super) best: f64,
-    pub(super) found: Option<Found>,
+    pub(super) found: Found,
     /// Whether the search is over: the ray starts inside something, or meets something where that is all that is asked.
     pub(super) over: bool,
-    /// The numbers on the way to the cell where the search goes on.
-    pub(super) prefix: Vec<u32>,
-    /// Ways on from a cell into cells below, as lists that share their beginnings: the way before, and a number.
-    trails: Vec<(u32, u32)>,
-    steps: u64,
+    /// How much light veils have taken, where that is asked.
+    pub(super) loss: Loss,
+    pub(super) notes: &'q mut Notes,
+    pub(super) steps: u64,
     /// Searches inside one another to here.
     pub(super) nested: u32,
+    /// The states that are being measured, if this is a ray that measures.
+    pub(super) measuring: Option<&'q Measuring<'q>>,
 }
 
 impl<'q> Ask<'q> {
-    pub(super) fn new(question: Question, from: Option<&'q Site>, best: f64) -> Self {
+    pub(super) fn new(question: Question, from: Option<&'q Site>, girth: Girth, notes: &'q mut Notes) -> Self {
         Self {
             question,
             from,
-            best,
-            found: None,
+            girth,
+            ray: 0,
+            best: f64::INFINITY,
+            found: Found::NOTHING,
             over: false,
-            prefix: Vec::new(),
-            trails: Vec::new(),
+            loss: Loss::default(),
+            notes,
             steps: 0,
             nested: 0,
+            measuring: None,
+        }
+    }
+
+    /// A veil hides so much at t.
+    pub(super) fn veil(&mut self, t: f64, coverage: f64, mark: Mark) {
+        if !(t > 0.0 && coverage > 0.0) {
+            return;
+        }
+        match self.question {
+            Question::Nearest if t <= self.best => {
+                self.notes.veils.push(Veil { ray: self.ray, t, coverage, mark });
+            }
+            Question::Any => {
+                self.loss = self.loss.and(Loss::by(coverage));
+                self.over |= self.loss.is_dark();
+            }
+            Question::Nearest | Question::Exit | Question::Surface => {}
         }
     }
 
@@ -88,16 +267,13 @@ impl<'q> Ask<'q> {
     #[inline(always)]
     pub(super) fn step(&mut self, most: u64) -> Result<(), Fault> {
         self.steps += 1;
-        if self.steps > most {
-            return Err(Fault::new(FaultKind::Limit { limit: Limit::Steps, most }, Origin::NONE));
-        }
-        Ok(())
+        if self.steps > most { Err(too_many_steps(most)) } else { Ok(()) }
     }
 
     /// The number that the way to the surface the ray starts on has at a place; [`NONE`] if it has none.
     #[inline]
     pub(super) fn start_part(&self, position: usize) -> u32 {
-        self.from.and_then(|it| it.path.get(position)).copied().unwrap_or(NONE)
+        start_part(self.from, position)
     }
 
     /// The face that the ray starts on.
@@ -106,22 +282,16 @@ impl<'q> Ask<'q> {
         self.from.map(|it| it.face)
     }
 
-    /// The way `trail`, and then the part of this number.
-    pub(super) fn trail(&mut self, trail: u32, part: u32) -> u32 {
-        self.trails.push((trail, part));
-        self.trails.len() as u32 - 1
-    }
-
     /// What a piece of the ray inside a solid, or a surface met (with no `far`), says to the question.
     #[inline(always)]
-    pub(super) fn meet(&mut self, way: impl Iterator<Item = u32> + Clone, near: Event, far: Option<Event>) {
+    pub(super) fn meet(&mut self, near: Event, far: Option<Event>) {
         let inside = far.is_some_and(|it| near.t <= 0.0 && it.t > 0.0);
         match self.question {
             Question::Nearest if inside => self.over = true,
             Question::Surface if far.is_some() => {}
             Question::Nearest | Question::Surface => {
                 if near.t > 0.0 && near.t <= self.best {
-                    self.take(way, near);
+                    self.take(near);
                 }
             }
             Question::Any => {
@@ -133,33 +303,34 @@ impl<'q> Ask<'q> {
                     && far.t >= self.best
                     && far.t > 0.0
                 {
-                    self.take(way, far);
+                    self.take(far);
                 }
             }
         }
     }
 
     /// Takes an event for the best one. Where two are at the same place, the one written first is.
-    fn take(&mut self, way: impl Iterator<Item = u32>, event: Event) {
-        let mut path: SmallVec<[u32; 12]> = self.prefix.iter().copied().chain(way).collect();
-        self.follow(event.mark.trail, &mut path);
-        path.push(event.mark.part);
-        if let Some(found) = &self.found
-            && event.t == self.best
-            && found.path <= path
+    #[inline(always)]
+    fn take(&mut self, event: Event) {
+        if event.t == self.best
+            && !self.found.is_nothing()
+            && !self.notes.trails.is_before(event.mark, self.found.mark())
         {
             return;
         }
         self.best = event.t;
-        self.found = Some(Found { path, face: event.mark.face, flipped: event.flipped });
+        self.found = Found::new(event.mark, event.flipped);
     }
+}
 
-    fn follow(&self, mut trail: u32, path: &mut SmallVec<[u32; 12]>) {
-        let start = path.len();
-        while let Some((before, part)) = self.trails.get(trail as usize) {
-            path.push(*part);
-            trail = *before;
-        }
-        path[start..].reverse();
-    }
+/// The number that the way to a surface has at a place; [`NONE`] if it has none.
+#[inline]
+pub(super) fn start_part(from: Option<&Site>, position: usize) -> u32 {
+    from.and_then(|it| it.path.get(position)).copied().unwrap_or(NONE)
+}
+
+/// The fault of a ray that has met too much.
+#[cold]
+pub(super) fn too_many_steps(most: u64) -> Fault {
+    Fault::new(FaultKind::Limit { limit: Limit::Steps, most }, Origin::NONE)
 }

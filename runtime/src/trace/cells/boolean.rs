@@ -5,15 +5,16 @@
 use smallvec::SmallVec;
 
 use super::ask::{Ask, Mark, NONE};
-use super::cell::{Boolean, Cell, Leaf, Named, Ref, Union};
+use super::boxes::{BoxRay, lanes_of};
+use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref, Union};
 use super::deep::deeper;
-use super::kernel::{BoxRay, Kernel};
 use super::ray::{Local, Steps};
 use super::store::Generation;
-use super::traverse::{Tracing, f32_above, f32_below, meet};
+use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
 use crate::geometry::{End, Interval, Intervals};
+use crate::lanes::Kernel;
 
 /// The pieces of a ray inside something.
 pub(super) type Line = Intervals<Mark>;
@@ -32,10 +33,12 @@ pub(super) struct Place<'c> {
     pub(super) from: u32,
     /// Where its numbers stand in a path.
     pub(super) position: usize,
-    /// The way from the Boolean's cell to here.
+    /// The way from the scene's cell to here.
     pub(super) trail: u32,
     /// States inside one another to here.
     pub(super) levels: u32,
+    /// At least the length in the world of what is 1 long in the cell.
+    pub(super) unit: f64,
 }
 
 /// The stretch of a ray that is asked for.
@@ -49,10 +52,11 @@ pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
 }
 
 impl<'c> Place<'c> {
-    /// A ray in a cell, `near` counted from its point nearest the centre.
-    pub(super) fn new(cell: &'c Cell, near: Local, boxes: BoxRay, from: u32, position: usize, levels: u32) -> Self {
+    /// A ray in a cell.
+    pub(super) fn new(cell: &'c Cell, passage: &Passage) -> Self {
+        let Passage { ray: near, boxes, from, trail, position, levels, unit, .. } = *passage;
         let (ray, shift) = if from == NONE { (near, 0.0) } else { (near.counted_from_start(), near.own(0.0)) };
-        Self { cell, ray, boxes, shift, from, position, trail: NONE, levels }
+        Self { cell, ray, boxes, shift, from, position: position as usize, trail, levels, unit }
     }
 }
 
@@ -113,9 +117,9 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
             let node = &place.cell.nodes[number as usize];
             let (bits, _) = tracing.kernel.vectorize(
                 #[inline(always)]
-                || meet(tracing.kernel, tracing.cull, node, &place.boxes, from, to),
+                || met_of(tracing.kernel, tracing.cull, node, &place.boxes, from, to),
             );
-            for lane in lanes(bits) {
+            for lane in lanes_of(bits) {
                 match node.inside[lane].named() {
                     Named::Node(inner) => nodes.push(inner),
                     Named::Leaf(_) | Named::Instance(_) | Named::Boolean(_) => members.push(node.inside[lane]),
@@ -138,10 +142,10 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Fault> {
         if !leaf.solid {
             let origin = place.cell.parts[leaf.part as usize].origin;
-            return Err(Fault::new(FaultKind::Open(leaf.primitive.kind()), origin));
+            return Err(Fault::new(FaultKind::Open(place.cell.primitive(leaf).kind()), origin));
         }
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
-        let chords = leaf.primitive.chords(&place.ray.line(&leaf.leaf_from_cell), from);
+        let chords = place.cell.primitive(leaf).chords(&place.ray.line(&leaf.leaf_from_cell), from);
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }
@@ -156,11 +160,15 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let from = if place.from == instance.part { self.ask.start_part(position) } else { NONE };
         // Boxes are always met from the point nearest the centre.
         let (near, near_steps) = place.ray.entered(&instance.way);
+        if instance.side * place.unit < self.ask.girth.at(near.start()) {
+            return Ok(closed(place, instance));
+        }
         let boxes = BoxRay::new(near.origin, near.direction);
         let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_at_start(&instance.way) };
         let shift = if from == NONE { 0.0 } else { near.own(0.0) };
-        let trail = self.ask.trail(place.trail, instance.part);
-        let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels };
+        let trail = self.ask.notes.trails.on(place.trail, instance.part);
+        let unit = place.unit * instance.way.unit;
+        let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels, unit };
         let range = (steps.inwards(range.0), steps.inwards(range.1));
         let tolerance = steps.length_inwards(tolerance);
         let generation = self.generation;
@@ -190,6 +198,14 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     }
 }
 
+/// The piece inside the box of an instance: inside Booleans recursion ends in closed boxes, since they need an inside.
+fn closed(place: &Place, instance: &Instance) -> Line {
+    let mark = Mark { trail: place.trail, part: instance.part, face: 0 };
+    let end = |t| End { t, surface: mark, flipped: false };
+    let piece = place.ray.between(&instance.bounds).map(|(near, far)| Interval { near: end(near), far: end(far) });
+    Line::of_sorted(piece)
+}
+
 /// The number of the first part in a member.
 fn first_part(cell: &Cell, member: Ref) -> u32 {
     match member.named() {
@@ -203,15 +219,4 @@ fn first_part(cell: &Cell, member: Ref) -> u32 {
 fn outwards(line: &Line, steps: Steps) -> Line {
     let end = |it: End<Mark>| End { t: steps.outwards(it.t), ..it };
     Line::of_sorted(line.as_slice().iter().map(|it| Interval { near: end(it.near), far: end(it.far) }))
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-pub(super) fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros();
-        // Takes the lowest bit away.
-        bits &= bits.wrapping_sub(1);
-        (lane < 32).then_some(lane as usize)
-    })
 }

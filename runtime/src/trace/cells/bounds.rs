@@ -176,7 +176,7 @@ fn ball_box(center: DVec3, radius: f64) -> Aabb {
 
 /// At least the most that a matrix stretches a vector: the root of the greatest row sum of MᵀM, which is exact for
 /// rotations with uniform scaling. (No eigenvalue of a matrix is above its greatest row sum.)
-fn stretch(matrix: &DMat3) -> f64 {
+pub(super) fn stretch(matrix: &DMat3) -> f64 {
     let square = matrix.transpose() * *matrix;
     let rows = [square.x_axis, square.y_axis, square.z_axis].map(|it| it.abs().element_sum());
     rows[0].max(rows[1]).max(rows[2]).sqrt()
@@ -324,8 +324,11 @@ impl Search<'_, '_> {
             reached = step(&reached)?;
         }
         if reached.iter().all(|it| it.bounds.is_empty()) {
-            // Round and round, and never a primitive: there is nothing that could be drawn.
-            return Ok(None);
+            // Round and round, and never a primitive: what such a cycle comes to, if it shrinks, is where any point goes.
+            reached = vec![Loose::of_box(Aabb { min: DVec3::ZERO, max: DVec3::ZERO }); cycle.len()];
+            for _ in 0..24 {
+                reached = step(&reached)?;
+            }
         }
         // Boxes may grow as they turn though what is in them shrinks; the box around a ball does not.
         let balls: Vec<Loose> = reached.iter().map(Loose::around_ball).collect();

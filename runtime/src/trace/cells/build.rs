@@ -2,7 +2,7 @@
 //! cell, and all is laid out.
 //!
 //! What is merged follows from the states alone. States of few primitives are always merged into the cell they are
-//! in; then the largest instances, until there are about [`ENOUGH`] members. More gains nothing: what makes cells
+//! in; then the largest instances, until there are enough members ([`Measure`]). More gains nothing: what makes cells
 //! fast is that they stay in cache.
 
 use std::cmp::Ordering;
@@ -13,21 +13,34 @@ use glam::{DAffine3, DMat3};
 
 use super::bounds::primitive_bounds;
 use super::bvh::{self, Boxed, area};
-use super::cell::{Boolean, Cell, Frame, Instance, Leaf, Named, Part, Ref, Union};
+use super::cell::{Boolean, Cell, Frame, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
 use super::store::{Store, led_by};
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
-/// Members of a cell's union from which on nothing more is merged into it.
-const ENOUGH: usize = 64;
-/// Members that merging never goes beyond.
-const MOST: usize = 256;
-/// Primitives of a state that is always merged.
-const SMALL: usize = 16;
+/// How far states are merged into one cell.
+#[derive(Clone, Copy)]
+struct Measure {
+    /// Members of a cell's union from which on nothing more is merged into it.
+    enough: usize,
+    /// Members that merging never goes beyond.
+    most: usize,
+    /// Primitives of a state that is always merged.
+    small: usize,
+}
+
+impl Measure {
+    /// For states that come again and again: what makes their cells fast is that rays change frames seldom, and that all of
+    /// them stay in cache.
+    const REPEATED: Self = Self { enough: 256, most: 512, small: 64 };
+    /// For states that hardly ever come again: most of the work is to expand them, and large cells hold much that no ray sees.
+    const UNIQUE: Self = Self { enough: 64, most: 256, small: 16 };
+}
+
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
 /// Boxes of a Boolean's operand below which it is not worth a node.
@@ -42,12 +55,31 @@ const TOLERANCE: f64 = 1e-12;
 /// # Errors
 /// What fails in expanding what is in the state, or in finding how far it reaches.
 pub(super) fn build(store: &Store, state: u32) -> Result<Cell, Fault> {
-    let frame = store.frame(state)?;
     let drafts = Merge { store, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
+    lay_out(store, state, drafts)
+}
+
+/// The cell of what the program says shall stand for a state from far away, in the frame of the state's own cell; none if it
+/// says nothing.
+///
+/// # Errors
+/// As [`build`].
+pub(super) fn build_proxy(store: &Store, state: u32) -> Result<Option<Cell>, Fault> {
+    let Some(pieces) = store.proxy_pieces(state)? else {
+        return Ok(None);
+    };
+    let mut drafts = Vec::new();
+    draft(store, &pieces, Way::START, &mut drafts)?;
+    lay_out(store, state, drafts).map(Some)
+}
+
+fn lay_out(store: &Store, state: u32, drafts: Vec<Draft>) -> Result<Cell, Fault> {
+    let frame = store.frame(state)?;
     let mut layout = Layout { store, frame, cell: Cell::default() };
     layout.cell.unions.push(Union::default());
-    let (union, _) = layout.union(drafts, 1)?;
+    let (union, whole) = layout.union(drafts, 1)?;
     layout.cell.unions[0] = union;
+    layout.cell.bounds = if whole.is_finite() { frame.inwards(&whole) } else { Aabb::EMPTY };
     layout.cell.levels = layout.cell.parts.iter().map(|it| it.levels).max().unwrap_or(0);
     Ok(layout.cell.shrunk())
 }
@@ -61,7 +93,11 @@ impl Store<'_> {
         Ok(Frame::around(&self.loose(state)?.finite))
     }
 
-    /// Whether a state stands for [`SMALL`] primitives or less, and says so soon.
+    fn measure(&self, state: u32) -> Measure {
+        if self.state(state).path.is_some() { Measure::UNIQUE } else { Measure::REPEATED }
+    }
+
+    /// Whether a state stands for so few primitives that it is always merged, and says so soon.
     fn is_small(&self, state: u32) -> Result<bool, Fault> {
         let known = &self.known(state).small;
         if let Some(small) = known.get() {
@@ -72,13 +108,14 @@ impl Store<'_> {
     }
 
     fn count_few(&self, state: u32) -> Result<bool, Fault> {
+        let most = self.measure(state).small;
         let (mut primitives, mut opened) = (0, 0);
         let mut inside = vec![state];
         while let Some(state) = inside.pop() {
             let pieces = self.pieces(state)?;
             opened += 1;
             primitives += leaves(pieces);
-            if primitives > SMALL || opened > 2 * SMALL {
+            if primitives > most || opened > 2 * most {
                 return Ok(false);
             }
             Piece::instances(pieces, &mut |it, _| inside.push(it));
@@ -217,10 +254,11 @@ impl Ord for Candidate {
 
 impl Merge<'_, '_> {
     fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
+        let Measure { enough, most, .. } = self.store.measure(state);
         let top = self.open(state, Way::START)?;
         let mut members = top.len();
         let mut merged = 0;
-        while members < ENOUGH && merged < MOST_MERGED {
+        while members < enough && merged < MOST_MERGED {
             let Some(Candidate { slot, .. }) = self.heap.pop() else {
                 break;
             };
@@ -230,7 +268,7 @@ impl Merge<'_, '_> {
             let way = self.slots[slot].draft.way;
             let before = self.slots.len();
             let range = self.open(state, way).map_err(|it| called(self.store, state, origin, it))?;
-            if members - 1 + range.len() > MOST {
+            if members - 1 + range.len() > most {
                 self.slots.truncate(before);
                 self.heap.retain(|it| it.slot < before);
                 continue;
@@ -323,7 +361,14 @@ impl Layout<'_, '_> {
         let member = Ref::new(Named::Leaf(self.cell.leaves.len() as u32));
         let part = self.part(member, way, origin);
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
-        self.cell.leaves.push(Leaf { leaf_from_cell, primitive, solid: primitive.is_solid(), part });
+        let (leaf_from_cell, shape) = match tame(&primitive, &leaf_from_cell) {
+            Some((leaf_from_cell, convex)) => (leaf_from_cell, LeafShape::Convex(convex)),
+            None => {
+                self.cell.others.push(primitive);
+                (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
+            }
+        };
+        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
         (member, primitive_bounds(&primitive, &way.state_from_inner))
     }
 
@@ -332,8 +377,10 @@ impl Layout<'_, '_> {
         let part = self.part(member, way, origin);
         let inner_from_state = self.store.frame(state)?.cell_from_state() * inverse(&way.state_from_inner);
         let inwards = Inwards::new(inner_from_state * self.frame.state_from_cell());
-        self.cell.instances.push(Instance { way: inwards, state, part });
         let bounds = self.store.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
+        let own = self.frame.inwards(&bounds);
+        let side = if own.is_finite() { (own.max - own.min).max_element() } else { f64::INFINITY };
+        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side });
         Ok((member, bounds))
     }
 
@@ -363,6 +410,18 @@ impl Layout<'_, '_> {
         self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
+}
+
+/// A primitive as a convex one, with the map to its frame, if rays of the cell have numbers there that can be squared.
+fn tame(primitive: &Primitive, leaf_from_cell: &DAffine3) -> Option<(DAffine3, Convex)> {
+    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
+    const MOST: f64 = 1e30;
+    let (convex, scale) = primitive.convex()?;
+    let map = DAffine3::from_scale(scale) * *leaf_from_cell;
+    let back = inverse(&map).matrix3;
+    let size = |it: &DMat3| [it.x_axis, it.y_axis, it.z_axis].map(|it| it.abs().max_element()).into_iter().sum::<f64>();
+    let reach = convex.reach() + map.translation.abs().max_element();
+    (size(&map.matrix3) < MOST && size(&back) < MOST && reach < MOST).then_some((map, convex))
 }
 
 /// The inverse of a map however large or small it is: its determinant alone may be out of range.

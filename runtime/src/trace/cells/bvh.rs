@@ -6,8 +6,8 @@
 
 use std::cmp::Ordering;
 
+use super::boxes::{Node, WIDTH};
 use super::cell::{Named, Ref};
-use super::kernel::{Node, WIDTH};
 use crate::geometry::Aabb;
 
 /// Items above which a split looks at the middle of each axis only instead of at every place: it keeps huge states

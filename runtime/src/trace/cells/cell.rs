@@ -12,14 +12,14 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::kernel::Node;
+use super::boxes::Node;
 use super::ray::Inwards;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
 /// A state expanded and merged.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Cell {
     /// The cell itself, then the operands of its Booleans.
     pub(super) unions: Vec<Union>,
@@ -27,6 +27,8 @@ pub(super) struct Cell {
     pub(super) nodes: Vec<Node>,
     /// The primitives.
     pub(super) leaves: Vec<Leaf>,
+    /// Those primitives that are no convex ones.
+    pub(super) others: Vec<Primitive>,
     /// The cells inside.
     pub(super) instances: Vec<Instance>,
     /// The Booleans.
@@ -35,6 +37,8 @@ pub(super) struct Cell {
     pub(super) parts: Vec<Part>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
     pub(super) levels: u32,
+    /// The box of all in it, in its own frame; empty if it does not end.
+    pub(super) bounds: Aabb,
 }
 
 /// The union of some members of a cell.
@@ -99,11 +103,55 @@ impl Ref {
 #[derive(Debug)]
 pub(super) struct Leaf {
     pub(super) leaf_from_cell: DAffine3,
-    pub(super) primitive: Primitive,
+    pub(super) shape: LeafShape,
     /// Whether it has an inside.
     pub(super) solid: bool,
     /// Its number.
     pub(super) part: u32,
+}
+
+/// What a [`Leaf`] is in its own frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LeafShape {
+    /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared.
+    Convex(Convex),
+    /// Any other: its number among [`Cell::others`].
+    Other(u32),
+}
+
+impl Default for Cell {
+    fn default() -> Self {
+        Self {
+            unions: Vec::new(),
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            others: Vec::new(),
+            instances: Vec::new(),
+            booleans: Vec::new(),
+            parts: Vec::new(),
+            levels: 0,
+            bounds: Aabb::EMPTY,
+        }
+    }
+}
+
+impl Cell {
+    /// The way into the instance that a part is, and its state; none if the part is no instance.
+    pub(super) fn into_part(&self, part: u32) -> Option<(&Inwards, u32)> {
+        let Named::Instance(number) = self.parts.get(part as usize)?.member.named() else {
+            return None;
+        };
+        let Instance { way, state, .. } = &self.instances[number as usize];
+        Some((way, *state))
+    }
+
+    /// A leaf as a primitive.
+    pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
+        match leaf.shape {
+            LeafShape::Convex(convex) => convex.primitive(),
+            LeafShape::Other(number) => self.others[number as usize],
+        }
+    }
 }
 
 /// A cell in a cell.
@@ -115,6 +163,10 @@ pub(super) struct Instance {
     pub(super) state: u32,
     /// Its number.
     pub(super) part: u32,
+    /// What it looks like from far away needs to know: its box in this cell, and the longest side of that, infinite where it
+    /// does not end.
+    pub(super) bounds: Aabb,
+    pub(super) side: f64,
 }
 
 /// An intersection or a difference in a cell.
@@ -190,6 +242,7 @@ impl Cell {
         self.unions.shrink_to_fit();
         self.nodes.shrink_to_fit();
         self.leaves.shrink_to_fit();
+        self.others.shrink_to_fit();
         self.instances.shrink_to_fit();
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
@@ -203,6 +256,7 @@ impl Cell {
             + size_of_val(&*self.unions)
             + size_of_val(&*self.nodes)
             + size_of_val(&*self.leaves)
+            + size_of_val(&*self.others)
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)

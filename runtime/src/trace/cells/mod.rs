@@ -7,18 +7,22 @@
 //! What a ray sees is a pure function of the ray and the scene. Rays and matrices are in double precision, and a hit
 //! follows from the chain of frames from the world to the primitive, which the states alone decide. Boxes are in
 //! single precision, but only decide what need not be looked at: they are grown by the proven error of their test
-//! (`kernel`). So culling, the width of SIMD, the order of rays, threads and the budget for cells change the time,
+//! (`boxes`). So culling, the width of SIMD, the order of rays, threads and the budget for cells change the time,
 //! and no bit of a picture.
 
 mod ask;
 mod boolean;
 mod bounds;
+mod boxes;
 mod build;
 mod bvh;
 mod cell;
 mod deep;
-mod kernel;
+mod ending;
+mod measure;
+mod packet;
 mod piece;
+mod proxy;
 mod ray;
 mod resolve;
 mod store;
@@ -27,16 +31,19 @@ mod traverse;
 
 pub use store::Counts;
 
-use self::ask::{Ask, Question};
-use self::kernel::{Kernel, Task, dispatch};
+use self::ask::{Ask, Found, Girth, NONE, Notes, Question};
+use self::boxes::BoxRay;
+use self::cell::Cell;
+use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
 use self::ray::{Inwards, Local};
-use self::resolve::Hit;
+use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
-use self::traverse::{Scratch, Start, Tracing};
-use super::{RayFault, Sample, SurfaceRay, Tracer};
+use self::traverse::{Passage, Scratch, Start as Beginning, Tracing};
+use super::{Beam, RayFault, Seen, Site, SurfaceBeam, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
+use crate::lanes::{Kernel, Task, dispatch};
 use crate::limits::Limits;
 
 /// What is not looked at.
@@ -87,16 +94,20 @@ pub fn finite_bounds(scene: &Scene, limits: &Limits) -> Result<Aabb, Fault> {
 }
 
 impl Tracer for CellTracer<'_> {
-    fn look(&self, rays: &[Ray], samples: &mut Vec<Sample>) -> Result<(), RayFault> {
-        samples.clear();
-        samples.reserve(rays.len());
-        dispatch(Look { tracer: self, rays, samples })
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        dispatch(Look { tracer: self, beams, seen })
     }
 
-    fn blocked(&self, rays: &[SurfaceRay], blocked: &mut Vec<bool>) -> Result<(), RayFault> {
-        blocked.clear();
-        blocked.reserve(rays.len());
-        dispatch(Blocked { tracer: self, rays, blocked })
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        seen.clear();
+        dispatch(Look { tracer: self, beams, seen })
+    }
+
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        light.reserve(beams.len());
+        dispatch(Light { tracer: self, beams, light })
     }
 
     fn finite_bounds(&self) -> Result<Aabb, Fault> {
@@ -104,27 +115,47 @@ impl Tracer for CellTracer<'_> {
     }
 }
 
-struct Look<'a, 's> {
-    tracer: &'a CellTracer<'s>,
-    rays: &'a [Ray],
-    samples: &'a mut Vec<Sample>,
+/// A beam that may start on a surface.
+trait Start {
+    /// The beam, and the surface.
+    fn beam(&self) -> (Beam, Option<&Site>);
 }
 
-impl Task for Look<'_, '_> {
+impl Start for Beam {
+    #[inline(always)]
+    fn beam(&self) -> (Beam, Option<&Site>) {
+        (*self, None)
+    }
+}
+
+impl Start for SurfaceBeam {
+    #[inline(always)]
+    fn beam(&self) -> (Beam, Option<&Site>) {
+        (self.beam, Some(&self.from))
+    }
+}
+
+struct Look<'a, 's, B> {
+    tracer: &'a CellTracer<'s>,
+    beams: &'a [B],
+    seen: &'a mut Seen,
+}
+
+impl<B: Start> Task for Look<'_, '_, B> {
     type Output = Result<(), RayFault>;
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, rays, samples } = self;
-        while samples.len() < rays.len() {
+        let Self { tracer, beams, seen } = self;
+        while seen.len() < beams.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            for ray in &rays[samples.len()..] {
-                let number = samples.len();
-                samples.push(Sample::default());
-                if let Some(sample) = samples.last_mut() {
-                    caster.look(ray, sample).map_err(|fault| RayFault { ray: number, fault })?;
-                }
+            while seen.len() < beams.len() {
+                let start = seen.len();
+                let packet = &beams[start..beams.len().min(start + RAYS)];
+                caster
+                    .look_all(packet, seen)
+                    .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
                 }
@@ -134,26 +165,27 @@ impl Task for Look<'_, '_> {
     }
 }
 
-struct Blocked<'a, 's> {
+struct Light<'a, 's> {
     tracer: &'a CellTracer<'s>,
-    rays: &'a [SurfaceRay],
-    blocked: &'a mut Vec<bool>,
+    beams: &'a [SurfaceBeam],
+    light: &'a mut Vec<f64>,
 }
 
-impl Task for Blocked<'_, '_> {
+impl Task for Light<'_, '_> {
     type Output = Result<(), RayFault>;
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, rays, blocked } = self;
-        while blocked.len() < rays.len() {
+        let Self { tracer, beams, light } = self;
+        while light.len() < beams.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            for ray in &rays[blocked.len()..] {
-                match caster.blocked(ray) {
-                    Ok(it) => blocked.push(it),
-                    Err(fault) => return Err(RayFault { ray: blocked.len(), fault }),
-                }
+            while light.len() < beams.len() {
+                let start = light.len();
+                let packet = &beams[start..beams.len().min(start + RAYS)];
+                caster
+                    .light_all(packet, light)
+                    .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
                 }
@@ -163,99 +195,223 @@ impl Task for Blocked<'_, '_> {
     }
 }
 
-/// Casts rays one after another through one generation of cells.
-struct Caster<'a, 's, 'g, K> {
+/// Casts rays, packet after packet, through one generation of cells.
+struct Caster<'a, 's, 'g, K: Kernel> {
     tracer: &'a CellTracer<'s>,
     tracing: Tracing<'a, 's, K>,
     generation: &'g Generation,
-    scratch: Scratch<'g>,
+    together: PacketScratch<'g, K>,
+    alone: Scratch<'g>,
+    notes: Notes,
+    resolver: Resolver<'a, 's, 'g>,
 }
 
 impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     fn new(tracer: &'a CellTracer<'s>, kernel: K, generation: &'g Generation) -> Self {
         let tracing = Tracing { store: &tracer.store, kernel, cull: tracer.culling == Culling::State };
-        Self { tracer, tracing, generation, scratch: Scratch::default() }
+        Self {
+            tracer,
+            tracing,
+            generation,
+            together: PacketScratch::default(),
+            alone: Scratch::default(),
+            notes: Notes::default(),
+            resolver: Resolver::of_state(&tracer.store, generation, tracer.root, &tracer.cell_from_world),
+        }
     }
 
+    /// What the beams of a packet see.
     #[inline(always)]
-    fn look(&mut self, ray: &Ray, sample: &mut Sample) -> Result<(), Fault> {
-        let local = Local::new(ray, &self.tracer.cell_from_world);
-        let mut ask = Ask::new(Question::Nearest, None, f64::INFINITY);
-        self.ask(&mut ask, local)?;
-        if ask.over {
-            return self.look_out(ray, local, sample);
+    fn look_all<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
+        let (packet, from) = gathered(beams);
+        let mut ask = PacketAsk::new(Question::Nearest, all_of(beams.len()), &packet, from);
+        if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
+            return self.look_each(beams, seen);
         }
-        self.resolve(ray, local, ask, sample)
+        for number in 0..beams.len() {
+            let looked = if ask.over >> number & 1 == 1 {
+                self.look_out(&packet[number], from[number], seen)
+            } else {
+                let (depth, found) = ask.found(number);
+                self.see(&Hit { ray: &packet[number].ray, number: number as u8, depth, found }, seen)
+            };
+            looked.map_err(|fault| RayFault { ray: number, fault })?;
+        }
+        Ok(())
+    }
+
+    /// What beams see, one after another: the first that meets a fault is the lowest.
+    #[cold]
+    #[inline(never)]
+    fn look_each<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
+        for (number, beam) in beams.iter().enumerate() {
+            let (beam, from) = beam.beam();
+            self.look(&beam, from, seen).map_err(|fault| RayFault { ray: number, fault })?;
+        }
+        Ok(())
+    }
+
+    fn look(&mut self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
+        let mut notes = self.new_notes();
+        let mut ask = Ask::new(Question::Nearest, from, Girth::of(beam), &mut notes);
+        let asked = self.ask_alone(&mut ask, &beam.ray);
+        let Ask { best: depth, found, over, .. } = ask;
+        self.notes = notes;
+        asked?;
+        if over {
+            return self.look_out(beam, from, seen);
+        }
+        self.see(&Hit { ray: &beam.ray, number: 0, depth, found }, seen)
+    }
+
+    /// What a ray saw.
+    #[inline(always)]
+    fn see(&mut self, hit: &Hit, seen: &mut Seen) -> Result<(), Fault> {
+        self.resolver.see(&self.notes, hit, None, seen)?;
+        seen.end_ray();
+        Ok(())
+    }
+
+    /// Room for notes, to be filled anew.
+    #[inline(always)]
+    fn new_notes(&mut self) -> Notes {
+        self.resolver.forget();
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.clear();
+        notes
     }
 
     /// What a ray sees that starts inside something: where it comes out of all it is in, or a surface that is in there.
     #[cold]
     #[inline(never)]
-    fn look_out(&mut self, ray: &Ray, local: Local, sample: &mut Sample) -> Result<(), Fault> {
-        let mut ask = Ask::new(Question::Exit, None, 0.0);
+    fn look_out(&mut self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
+        /// Not the number of a ray in a packet: what is too small to be told apart is not seen from inside of something.
+        const NO_RAY: u8 = u8::MAX;
+        let mut notes = std::mem::take(&mut self.notes);
+        let asked = self.ask_out(beam, from, &mut notes);
+        self.notes = notes;
+        let (depth, found) = asked?;
+        self.see(&Hit { ray: &beam.ray, number: NO_RAY, depth, found }, seen)
+    }
+
+    fn ask_out(&mut self, beam: &Beam, from: Option<&Site>, notes: &mut Notes) -> Result<(f64, Found), Fault> {
+        let mut ask = Ask::new(Question::Exit, from, Girth::of(beam), notes);
+        ask.best = 0.0;
         loop {
             let before = ask.best;
-            self.ask_apart(&mut ask, local)?;
+            self.ask_alone(&mut ask, &beam.ray)?;
             // A solid that begins before this exit may have been passed over while the exit was nearer.
             if ask.best == before || ask.best == f64::INFINITY {
                 break;
             }
         }
         if ask.best == f64::INFINITY {
-            ask.found = None;
+            ask.found = Found::NOTHING;
         }
         ask.question = Question::Surface;
-        self.ask_apart(&mut ask, local)?;
-        self.resolve(ray, local, ask, sample)
+        self.ask_alone(&mut ask, &beam.ray)?;
+        Ok((ask.best, ask.found))
     }
 
+    /// How much light comes to the beams of a packet.
     #[inline(always)]
-    fn blocked(&mut self, ray: &SurfaceRay) -> Result<bool, Fault> {
-        let local = Local::new(&ray.ray, &self.tracer.cell_from_world);
-        let mut ask = Ask::new(Question::Any, Some(&ray.from), f64::INFINITY);
-        self.ask(&mut ask, local)?;
-        Ok(ask.over)
+    fn light_all(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let (packet, from) = gathered(beams);
+        let mut ask = PacketAsk::new(Question::Any, all_of(beams.len()), &packet, from);
+        if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
+            return self.light_each(beams, light);
+        }
+        light.extend((0..beams.len()).map(|ray| ask.light(ray)));
+        Ok(())
     }
 
-    fn ask_apart(&mut self, ask: &mut Ask, local: Local) -> Result<(), Fault> {
+    #[cold]
+    #[inline(never)]
+    fn light_each(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        for (number, it) in beams.iter().enumerate() {
+            let mut notes = self.new_notes();
+            let mut ask = Ask::new(Question::Any, Some(&it.from), Girth::of(&it.beam), &mut notes);
+            let asked = self.ask_alone(&mut ask, &it.beam.ray);
+            let left = if ask.over { 0.0 } else { ask.loss.left() };
+            self.notes = notes;
+            asked.map_err(|fault| RayFault { ray: number, fault })?;
+            light.push(left);
+        }
+        Ok(())
+    }
+
+    /// Asks along the beams of a packet. If one of them has met a fault, or there is no room for a cell of the scene, they
+    /// have to ask one by one.
+    #[inline(always)]
+    fn ask_together(&mut self, ask: &mut PacketAsk, packet: &[Beam; RAYS]) -> bool {
+        let Some(cell) = self.root() else {
+            return false;
+        };
+        self.resolver.forget();
+        self.notes.clear();
+        let mut search = PacketSearch {
+            tracing: &self.tracing,
+            generation: self.generation,
+            scratch: &mut self.together,
+            notes: &mut self.notes,
+            ask,
+        };
+        search.search(cell, self.tracer.root, packet, &self.tracer.cell_from_world).is_ok()
+    }
+
+    /// The scene's cell, if there is room for it.
+    fn root(&self) -> Option<&'g Cell> {
+        let (store, state) = (self.tracing.store, self.tracer.root);
+        match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => store.cell(self.generation, state).ok().flatten(),
+        }
+    }
+
+    fn ask_alone(&mut self, ask: &mut Ask, ray: &Ray) -> Result<(), Fault> {
         let kernel = self.tracing.kernel;
         kernel.vectorize(
             #[inline(always)]
-            || self.ask(ask, local),
+            || self.ask(ask, ray),
         )
     }
 
     #[inline(always)]
-    fn ask(&mut self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
+    fn ask(&mut self, ask: &mut Ask, ray: &Ray) -> Result<(), Fault> {
         let (store, state) = (self.tracing.store, self.tracer.root);
-        let from = ask.start_part(0);
-        let kept = match self.generation.kept(state) {
-            Some(cell) => Some(cell),
-            None => store.cell(self.generation, state)?,
-        };
-        let Some(cell) = kept else {
-            return self.ask_unkept(ask, ray);
-        };
-        let start = Start { cell, state, called: Origin::NONE, ray, from, levels: 0 };
-        self.tracing.search(self.generation, &mut self.scratch, ask, start)
+        let ray = Local::new(ray, &self.tracer.cell_from_world);
+        let unit = self.tracer.cell_from_world.unit;
+        let boxes = BoxRay::new(ray.origin, ray.direction);
+        let (called, from) = (Origin::NONE, ask.start_part(0));
+        let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0, unit };
+        match store.cell(self.generation, state)? {
+            Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Beginning { cell, passage }),
+            None => self.ask_unkept(ask, passage),
+        }
     }
 
     /// Asks with a cell of the scene for this ray alone: other threads have filled the generation meanwhile.
     #[cold]
     #[inline(never)]
-    fn ask_unkept(&self, ask: &mut Ask, ray: Local) -> Result<(), Fault> {
-        let (state, from) = (self.tracer.root, ask.start_part(0));
-        let cell = build::build(self.tracing.store, state)?;
+    fn ask_unkept(&self, ask: &mut Ask, passage: Passage) -> Result<(), Fault> {
+        let cell = build::build(self.tracing.store, passage.state)?;
         let mut scratch = Scratch::default();
-        let start = Start { cell: &cell, state, called: Origin::NONE, ray, from, levels: 0 };
-        self.tracing.search(self.generation, &mut scratch, ask, start)
+        self.tracing.search(self.generation, &mut scratch, ask, Beginning { cell: &cell, passage })
     }
+}
 
-    fn resolve(&self, ray: &Ray, local: Local, ask: Ask, sample: &mut Sample) -> Result<(), Fault> {
-        let Some(found) = ask.found else {
-            return Ok(());
-        };
-        let hit = Hit { ray, local, depth: ask.best, found };
-        resolve::fragment(self.tracing.store, self.generation, self.tracer.root, hit, sample)
+/// The beams of a packet and the surfaces that they start on. Lanes that are left are filled with the first beam.
+#[inline(always)]
+fn gathered<B: Start>(beams: &[B]) -> ([Beam; RAYS], [Option<&Site>; RAYS]) {
+    let mut packet = [beams[0].beam().0; RAYS];
+    let mut from = [None; RAYS];
+    for (number, it) in beams.iter().enumerate() {
+        (packet[number], from[number]) = it.beam();
     }
+    (packet, from)
+}
+
+/// The bits of so many rays.
+fn all_of(rays: usize) -> u32 {
+    ((1_u64 << rays) - 1) as u32
 }

@@ -1,8 +1,11 @@
-//! Rays in the frames of cells.
+//! Rays in the frames of cells, alone and side by side.
 
 use glam::{DAffine3, DMat3, DVec3};
+use pulp::{Simd, f64x8};
 
-use crate::geometry::Ray;
+use crate::geometry::{Aabb, Lines, Ray};
+use crate::lanes::{EIGHT, One, Wide, Wide3};
+use crate::trace::Beam;
 
 /// A ray in the frame of a cell, with a direction of about length 1 and an origin of its own: the point nearest the
 /// cell's centre.
@@ -19,6 +22,16 @@ pub(super) struct Local {
     inverse_scale: f64,
 }
 
+/// Rays in the frame of a cell, one a lane; each as [`Local`].
+#[derive(Clone, Copy)]
+pub(super) struct Locals<S: Simd> {
+    pub(super) origin: Wide3<S>,
+    pub(super) direction: Wide3<S>,
+    pub(super) offset: Wide<S>,
+    pub(super) scale: Wide<S>,
+    pub(super) inverse_scale: Wide<S>,
+}
+
 /// The way into an inner frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inwards {
@@ -28,6 +41,10 @@ pub(super) struct Inwards {
     shrink: f64,
     /// Whether all directions stay what they are.
     straight: bool,
+    /// At least the length outside of what is 1 long inside.
+    pub(super) unit: f64,
+    /// The volume outside of what has the volume 1 inside.
+    pub(super) volume: f64,
 }
 
 impl Inwards {
@@ -41,18 +58,21 @@ impl Inwards {
         let similar = similar && stretch > 0.0 && shrink > 0.0;
         let straight = matrix == DMat3::from_diagonal(DVec3::splat(matrix.x_axis.x)) && matrix.x_axis.x > 0.0;
         let (stretch, shrink) = if similar { (stretch, shrink) } else { (0.0, 0.0) };
-        Self { inner_from_outer, stretch, shrink, straight }
+        let back = matrix.inverse();
+        let unit = if similar { shrink } else { super::bounds::stretch(&back) };
+        Self { inner_from_outer, stretch, shrink, straight, unit, volume: back.determinant().abs() }
     }
 
-    /// The length of a direction of length 1 once it is mapped, and its inverse.
+    /// The length of directions of length 1 once they are mapped, and its inverse.
     #[inline(always)]
-    fn length_of(&self, direction: DVec3) -> (f64, f64) {
+    fn length_of<S: Simd>(&self, direction: Wide3<S>) -> (Wide<S>, Wide<S>) {
+        let any = direction.x;
         if self.shrink > 0.0 {
             // No root and no division.
-            return (self.stretch, self.shrink);
+            return (any.all(self.stretch), any.all(self.shrink));
         }
-        let length = direction.length();
-        (length, 1.0 / length)
+        let length = direction.dot(direction).sqrt();
+        (length, any.all(1.0) / length)
     }
 
     /// Whether all directions stay what they are.
@@ -89,40 +109,43 @@ impl Local {
     /// A ray of the world in the frame of a cell.
     #[inline(always)]
     pub(super) fn new(ray: &Ray, cell_from_world: &Inwards) -> Self {
-        // A direction of length 1 first: the way inwards takes it for that.
-        let length = ray.direction.length();
-        let direction = ray.direction * (1.0 / length);
-        let world = Self { origin: ray.origin, direction, offset: 0.0, scale: 1.0 / length, inverse_scale: length };
-        world.entered(cell_from_world).0
+        let one = One::new();
+        let world = Locals::from_world(Wide3::splat(one, ray.origin), Wide3::splat(one, ray.direction));
+        Self::alone(&world.entered(cell_from_world).0)
     }
 
-    /// The same ray in an inner frame.
-    ///
-    /// Lengths there need only be near what they are called: t stays right whatever is taken for the direction's
-    /// length, and wherever on the ray the new origin lies.
+    #[inline(always)]
+    fn alone(lane: &Locals<One>) -> Self {
+        Self {
+            origin: lane.origin.alone(),
+            direction: lane.direction.alone(),
+            offset: lane.offset.value,
+            scale: lane.scale.value,
+            inverse_scale: lane.inverse_scale.value,
+        }
+    }
+
+    /// The same ray in an inner frame; see [`Locals::entered`].
     #[inline(always)]
     pub(super) fn entered(&self, way: &Inwards) -> (Self, Steps) {
-        let origin = way.inner_from_outer.transform_point3(self.origin);
-        let direction = way.inner_from_outer.transform_vector3(self.direction);
-        let (length, scale) = way.length_of(direction);
-        let direction = direction * scale;
-        let forward = -origin.dot(direction);
-        let shift = forward * scale;
-        let inner = Self {
-            origin: origin + direction * forward,
-            direction,
-            offset: self.offset + shift * self.scale,
-            scale: self.scale * scale,
-            inverse_scale: self.inverse_scale * length,
+        let one = One::new();
+        let outer = Locals {
+            origin: Wide3::splat(one, self.origin),
+            direction: Wide3::splat(one, self.direction),
+            offset: Wide::splat(one, self.offset),
+            scale: Wide::splat(one, self.scale),
+            inverse_scale: Wide::splat(one, self.inverse_scale),
         };
-        (inner, Steps { shift, scale })
+        let (inner, shift, scale) = outer.entered(way);
+        (Self::alone(&inner), Steps { shift: shift.value, scale: scale.value })
     }
 
     /// The same ray in an inner frame with its origin where it starts, as [`Local::counted_from_start`].
     pub(super) fn entered_at_start(&self, way: &Inwards) -> (Self, Steps) {
         let origin = way.inner_from_outer.transform_point3(self.origin);
         let direction = way.inner_from_outer.transform_vector3(self.direction);
-        let (length, scale) = way.length_of(direction);
+        let (length, scale) = way.length_of(Wide3::splat(One::new(), direction));
+        let (length, scale) = (length.value, scale.value);
         let inner = Self {
             origin,
             direction: direction * scale,
@@ -137,6 +160,30 @@ impl Local {
     pub(super) fn counted_from_start(&self) -> Self {
         let start = self.own(0.0);
         Self { origin: self.origin + self.direction * start, offset: 0.0, ..*self }
+    }
+
+    /// The length in an outer frame of what is 1 long along this ray.
+    pub(super) fn length_in(&self, outer: &Self) -> f64 {
+        self.scale / outer.scale
+    }
+
+    /// The places between which it is in a box.
+    pub(super) fn between(&self, bounds: &Aabb) -> Option<(f64, f64)> {
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let (origin, speed) = (self.origin[axis], self.direction[axis]);
+            let (low, high) = (bounds.min[axis] - origin, bounds.max[axis] - origin);
+            if speed == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (low / speed, high / speed);
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+        (near < far).then_some((near, far))
     }
 
     /// The t of a place on this ray.
@@ -157,9 +204,126 @@ impl Local {
         Ray { origin: self.origin, direction: self.direction }.mapped(inner_from_outer)
     }
 
+    /// The same line in the frame of a primitive, as a lane alone.
+    #[inline(always)]
+    pub(super) fn lines(&self, inner_from_outer: &DAffine3) -> Lines<One> {
+        let one = One::new();
+        let origin = Wide3::splat(one, self.origin).mapped(inner_from_outer);
+        Lines { origin, direction: Wide3::splat(one, self.direction).turned(&inner_from_outer.matrix3) }
+    }
+
+    /// The t of its own origin: where it is nearest to the centre of the cell.
+    #[inline(always)]
+    pub(super) fn start(&self) -> f64 {
+        self.offset
+    }
+
     /// Whether it comes near enough to the origin to meet anything within -1 to 1 on each axis.
     #[inline(always)]
     pub(super) fn is_near(&self) -> bool {
-        self.origin.length_squared() < 3.01
+        self.origin.length_squared() < NEAR
+    }
+
+    /// Whether its numbers are such that squares can be computed with; see [`is_tame`](super::cell::Leaf).
+    #[inline(always)]
+    pub(super) fn is_tame(&self) -> bool {
+        self.origin.length_squared() < TAME
+    }
+}
+
+/// The square of a distance from the centre at which a ray meets nothing within -1 to 1 on each axis.
+pub(super) const NEAR: f64 = 3.01;
+/// The square of a distance from the centre up to which a ray's numbers are safe to square in the frames of primitives.
+pub(super) const TAME: f64 = 1e80;
+
+impl<S: Simd> Locals<S> {
+    /// Rays of the world, with directions of length 1: the way inwards takes them for that.
+    #[inline(always)]
+    fn from_world(origin: Wide3<S>, direction: Wide3<S>) -> Self {
+        let length = direction.dot(direction).sqrt();
+        let (zero, scale) = (length.all(0.0), length.all(1.0) / length);
+        Self { origin, direction: direction * scale, offset: zero, scale, inverse_scale: length }
+    }
+
+    /// The same rays in an inner frame, with what to add to places there and what to multiply them by before, for places here.
+    ///
+    /// Lengths there need only be near what they are called: t stays right whatever is taken for the direction's
+    /// length, and wherever on the ray the new origin lies.
+    #[inline(always)]
+    pub(super) fn entered(&self, way: &Inwards) -> (Self, Wide<S>, Wide<S>) {
+        let any = self.scale;
+        let (origin, direction, length, scale) = if way.straight {
+            let moved = Wide3::splat_like(any, way.inner_from_outer.translation);
+            let (length, scale) = (any.all(way.stretch), any.all(way.shrink));
+            (self.origin * length + moved, self.direction, length, scale)
+        } else {
+            let direction = self.direction.turned(&way.inner_from_outer.matrix3);
+            let (length, scale) = way.length_of(direction);
+            (self.origin.mapped(&way.inner_from_outer), direction * scale, length, scale)
+        };
+        let forward = -origin.dot(direction);
+        let shift = forward * scale;
+        let inner = Self {
+            origin: origin + direction * forward,
+            direction,
+            offset: self.offset + shift * self.scale,
+            scale: self.scale * scale,
+            inverse_scale: self.inverse_scale * length,
+        };
+        (inner, shift, scale)
+    }
+
+    /// The t of places on the rays.
+    #[inline(always)]
+    pub(super) fn world(&self, own: Wide<S>) -> Wide<S> {
+        self.offset + own * self.scale
+    }
+
+    /// The places on the rays of some t.
+    #[inline(always)]
+    pub(super) fn own(&self, t: Wide<S>) -> Wide<S> {
+        (t - self.offset) * self.inverse_scale
+    }
+
+    /// The same lines in the frame of a primitive.
+    #[inline(always)]
+    pub(super) fn lines(&self, inner_from_outer: &DAffine3) -> Lines<S> {
+        let origin = self.origin.mapped(inner_from_outer);
+        Lines { origin, direction: self.direction.turned(&inner_from_outer.matrix3) }
+    }
+}
+
+impl<S: Simd<f64s = f64x8>> Locals<S> {
+    /// No rays: to be filled.
+    pub(super) fn blank(lanes: S) -> Self {
+        let zero = Wide::new(lanes, pulp::cast([0.0; EIGHT]));
+        let vector = Wide3 { x: zero, y: zero, z: zero };
+        Self { origin: vector, direction: vector, offset: zero, scale: zero, inverse_scale: zero }
+    }
+
+    /// The rays of eight beams of the world in the frame of a cell.
+    #[inline(always)]
+    pub(super) fn of_world(lanes: S, beams: &[Beam], cell_from_world: &Inwards) -> Self {
+        let (mut origin, mut direction) = ([[0.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
+        for (lane, Beam { ray, .. }) in beams.iter().enumerate().take(EIGHT) {
+            for axis in 0..3 {
+                origin[axis][lane] = ray.origin[axis];
+                direction[axis][lane] = ray.direction[axis];
+            }
+        }
+        let (origin, direction) = (Wide3::of_arrays(lanes, origin), Wide3::of_arrays(lanes, direction));
+        Locals::from_world(origin, direction).entered(cell_from_world).0
+    }
+
+    /// The ray of a lane.
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize) -> Local {
+        Local {
+            origin: self.origin.lane(lane),
+            direction: self.direction.lane(lane),
+            offset: self.offset.lane(lane),
+            scale: self.scale.lane(lane),
+            inverse_scale: self.inverse_scale.lane(lane),
+        }
     }
 }

@@ -1,121 +1,386 @@
 //! From the way to a hit to all that is asked about it.
 //!
-//! Nothing of this is kept while a ray searches: most of what it meets on the way is not what it sees in the end.
+//! Nothing of this is kept while a ray searches: most of what it meets on the way is not what it sees in the end. Rays side
+//! by side mostly see things in one cell, so what is known of the way to a cell is kept from one ray to the next.
+
+use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::ask::Found;
+use super::ask::{Found, Mark, Notes, Veil};
 use super::build::build;
-use super::cell::{Cell, Named};
-use super::ray::Local;
+use super::cell::{Cell, Leaf, Named, Part};
+use super::ending::{ENDED, Ending};
+use super::measure::{Known, Measuring};
+use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::Ray;
-use crate::trace::{Fragment, Route, Sample, Site};
+use crate::trace::{Fragment, Route, Seen, Site};
 
-/// What has been collected on the way so far.
-struct Way {
-    local: Local,
-    material: Option<MaterialId>,
-    route: Route,
-    frozen: bool,
-    /// Of each frame on the way, its matrix from the frame around it.
-    matrices: SmallVec<[DMat3; 6]>,
-}
-
-/// A hit as the search leaves it.
+/// A hit as a search leaves it.
 pub(super) struct Hit<'r> {
     pub(super) ray: &'r Ray,
-    /// The ray in the frame of the scene's cell.
-    pub(super) local: Local,
+    /// The ray's number in its packet.
+    pub(super) number: u8,
     pub(super) depth: f64,
     pub(super) found: Found,
 }
 
-/// Adds what a ray sees where it meets a surface to its sample.
-///
-/// # Errors
-/// What fails in expanding a state again that is not kept.
-pub(super) fn fragment(
-    store: &Store,
-    generation: &Generation,
-    root: u32,
-    hit: Hit,
-    sample: &mut Sample,
-) -> Result<(), Fault> {
-    let Hit { ray, local, depth, found } = hit;
-    let mut way = Way { local, material: None, route: Route::START, frozen: false, matrices: SmallVec::new() };
-    let mut state = root;
-    let mut built: Option<Box<Cell>>;
-    for number in &found.path {
-        let cell = match store.cell(generation, state)? {
-            Some(cell) => cell,
-            None => {
-                built = Some(Box::new(build(store, state)?));
-                match &built {
-                    Some(cell) => cell,
-                    None => return Ok(()),
-                }
-            }
-        };
-        let Some(part) = cell.parts.get(*number as usize) else {
+/// How much of what lies behind may be seen until nothing of it is.
+const CLOSED: f64 = 1.0 / 512.0;
+
+/// Finds out about hits in one generation of cells.
+pub(super) struct Resolver<'a, 's, 'g> {
+    store: &'a Store<'s>,
+    generation: &'g Generation,
+    root: Root<'a>,
+    cell_from_world: &'a Inwards,
+    /// The cell that the last hit was in.
+    place: Option<Place<'g>>,
+}
+
+/// Where ways begin.
+#[derive(Clone, Copy)]
+enum Root<'a> {
+    State(u32),
+    Cell(&'a Cell),
+}
+
+/// A cell, and what has been collected on the way there.
+struct Place<'g> {
+    trail: u32,
+    cell: Held<'g>,
+    /// The numbers of the parts on the way.
+    path: SmallVec<[u32; 12]>,
+    /// The ways into the cells on the way, as far as those are kept.
+    ways: SmallVec<[&'g Inwards; 8]>,
+    material: Option<MaterialId>,
+    route: Route,
+    frozen: bool,
+    /// From the world to the cell, but for its size.
+    cell_from_world: DMat3,
+}
+
+/// A cell that is kept, or one for this place alone.
+enum Held<'g> {
+    Kept(&'g Cell),
+    Own(Box<Cell>),
+    /// The cell where ways begin, which is held elsewhere.
+    Root,
+}
+
+impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
+    /// For rays of the world through the cell of a state.
+    pub(super) fn of_state(
+        store: &'a Store<'s>,
+        generation: &'g Generation,
+        root: u32,
+        cell_from_world: &'a Inwards,
+    ) -> Self {
+        Self { store, generation, root: Root::State(root), cell_from_world, place: None }
+    }
+
+    /// For rays through a cell by itself.
+    pub(super) fn of_cell(
+        store: &'a Store<'s>,
+        generation: &'g Generation,
+        root: &'a Cell,
+        cell_from_world: &'a Inwards,
+    ) -> Self {
+        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None }
+    }
+
+    /// Forgets where the last hit was: trails are about to be made anew.
+    pub(super) fn forget(&mut self) {
+        self.place = None;
+    }
+
+    /// Adds what a ray sees, from front to back: the veils on the way and where it ends.
+    ///
+    /// # Errors
+    /// What fails in expanding a state again that is not kept.
+    #[inline]
+    pub(super) fn see(
+        &mut self,
+        notes: &Notes,
+        hit: &Hit,
+        measuring: Option<&Measuring>,
+        seen: &mut Seen,
+    ) -> Result<(), Fault> {
+        if !notes.veils.is_empty() && !self.see_veils(notes, hit, measuring, seen)? {
             return Ok(());
-        };
-        way.material = part.material.or(way.material);
-        if !way.frozen {
-            way.route = way.route.then(part.route);
-            way.frozen = part.frozen;
         }
-        match part.member.named() {
-            Named::Instance(instance) => {
-                let instance = &cell.instances[instance as usize];
-                way.local = way.local.entered(&instance.way).0;
-                way.matrices.push(instance.way.inner_from_outer.matrix3);
-                state = instance.state;
+        if hit.found.is_nothing() {
+            return Ok(());
+        }
+        let mark = hit.found.mark();
+        self.go(notes, mark)?;
+        if let Some(place) = &self.place {
+            self.see_surface(place, mark, hit, seen);
+        }
+        Ok(())
+    }
+
+    /// Adds the veils before a hit; whether anything is seen behind them.
+    #[cold]
+    #[inline(never)]
+    fn see_veils(
+        &mut self,
+        notes: &Notes,
+        hit: &Hit,
+        measuring: Option<&Measuring>,
+        seen: &mut Seen,
+    ) -> Result<bool, Fault> {
+        let before = |it: &&Veil| it.ray == hit.number && it.t < hit.depth;
+        let mut veils: SmallVec<[Veil; 16]> = notes.veils.iter().filter(before).copied().collect();
+        let order = |a: &Veil, b: &Veil| {
+            let path = |it: &Veil| notes.trails.path(it.mark);
+            a.t.total_cmp(&b.t).then_with(|| path(a).cmp(&path(b)))
+        };
+        veils.sort_by(order);
+        let mut left = 1.0;
+        for mut veil in veils {
+            left *= 1.0 - veil.coverage;
+            if left < CLOSED {
+                veil.coverage = 1.0;
             }
-            Named::Leaf(leaf) => {
-                let leaf = &cell.leaves[leaf as usize];
-                way.matrices.push(leaf.leaf_from_cell.matrix3);
-                let point = point_in(&way.local, &leaf.leaf_from_cell, depth);
-                let outwards = way.normal(leaf.primitive.normal(point, found.face));
-                let turned = if leaf.solid { found.flipped } else { outwards.dot(ray.direction) > 0.0 };
-                sample.fragments.push(Fragment {
-                    coverage: 1.0,
-                    depth,
-                    position: ray.at(depth),
-                    normal: if turned { -outwards } else { outwards },
-                    material: way.material,
-                    route: way.route.hash(),
-                    origin: part.origin,
-                    site: Site { path: found.path, face: found.face },
-                });
-                return Ok(());
+            self.go(notes, veil.mark)?;
+            self.see_veil(&veil, hit.ray, measuring, seen);
+            if left < CLOSED {
+                return Ok(false);
             }
-            Named::Node(_) | Named::Boolean(_) => return Ok(()),
+        }
+        Ok(true)
+    }
+
+    /// Adds a fragment for each paint of what a veil stands for.
+    fn see_veil(&self, veil: &Veil, ray: &Ray, measuring: Option<&Measuring>, seen: &mut Seen) {
+        let Some(place) = &self.place else {
+            return;
+        };
+        let cell = self.cell_of(place);
+        let Some(part) = cell.parts.get(veil.mark.part as usize) else {
+            return;
+        };
+        let Named::Instance(instance) = part.member.named() else {
+            return;
+        };
+        let instance = &cell.instances[instance as usize];
+        let model = self.store.model(instance.state);
+        let proxy = match self.generation.ending(model) {
+            Some(Ending::Looks(proxy)) => Some(Arc::clone(proxy)),
+            Some(Ending::Solid(_)) => None,
+            None => match measuring.and_then(|it| it.knows(model)) {
+                Some(Known::Looks(proxy)) => Some(proxy),
+                Some(Known::UnderWay) | None => None,
+            },
+        };
+        let local = self.local(place, ray).entered(&instance.way).0;
+        let mean = proxy.as_ref().map_or(-local.direction, |it| it.normal(local.direction));
+        let inner_from_world = instance.way.inner_from_outer.matrix3 * place.cell_from_world;
+        let position = ray.at(veil.t);
+        let normal = (inner_from_world.transpose() * mean).normalize();
+        let unknown = [(None, 1.0)];
+        let paints = proxy.as_ref().map_or(&unknown[..], |it| &it.paints);
+        let mut path = place.path.clone();
+        path.push(veil.mark.part);
+        let mut before = 0.0;
+        for (paint, share) in paints {
+            // All shares together hide what the veil hides.
+            let coverage = veil.coverage * share;
+            let of_rest = if before < 1.0 { (coverage / (1.0 - before)).min(1.0) } else { 0.0 };
+            before += coverage;
+            seen.push(Fragment {
+                coverage: of_rest,
+                spread: 1.0 - mean.length(),
+                open: proxy.as_ref().map_or(1.0, |it| it.open),
+                material: paint.or(part.material).or(place.material),
+                unknown: proxy.is_none(),
+                route: place.route_to(part),
+                site: Site { path: path.clone(), face: 0 },
+                ..Fragment::of_surface(veil.t, position, normal, part.origin)
+            });
         }
     }
-    Ok(())
+
+    /// A ray in the frame of a place.
+    fn local(&self, place: &Place, ray: &Ray) -> Local {
+        let start = Local::new(ray, self.cell_from_world);
+        if place.ways.len() == place.path.len() {
+            return place.ways.iter().fold(start, |local, way| local.entered(way).0);
+        }
+        self.local_by_path(place, start)
+    }
+
+    /// The same where cells on the way are not kept.
+    #[cold]
+    fn local_by_path(&self, place: &Place, start: Local) -> Local {
+        let mut local = start;
+        let mut cell = match self.root {
+            Root::State(state) => self.held(state).ok(),
+            Root::Cell(_) => Some(Held::Root),
+        };
+        for number in &place.path {
+            let here = match (&cell, self.root) {
+                (Some(Held::Kept(cell)), _) => *cell,
+                (Some(Held::Own(cell)), _) => cell,
+                (Some(Held::Root), Root::Cell(cell)) => cell,
+                _ => break,
+            };
+            let Some((way, state)) = here.into_part(number & !ENDED) else {
+                break;
+            };
+            local = local.entered(way).0;
+            let ended = number & ENDED != 0;
+            cell = match self.generation.ending(self.store.model(state)) {
+                Some(Ending::Solid(cell)) if ended => Some(Held::Kept(cell)),
+                _ => self.held(state).ok(),
+            };
+        }
+        local
+    }
+
+    fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
+        match (&place.cell, self.root) {
+            (Held::Kept(cell), _) => cell,
+            (Held::Own(cell), _) => cell,
+            (Held::Root, Root::Cell(cell)) => cell,
+            // Ways that begin at a state hold its cell.
+            (Held::Root, Root::State(_)) => &NO_CELL,
+        }
+    }
+
+    /// Goes to the cell of a surface, if the last one was not in the same.
+    #[inline(always)]
+    fn go(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
+        if self.place.as_ref().is_none_or(|it| it.trail != mark.trail) {
+            self.place = Some(self.find(notes, mark)?);
+        }
+        Ok(())
+    }
+
+    fn find(&self, notes: &Notes, mark: Mark) -> Result<Place<'g>, Fault> {
+        let mut path = notes.trails.path(mark);
+        path.pop();
+        let mut place = Place {
+            trail: mark.trail,
+            cell: match self.root {
+                Root::State(state) => self.held(state)?,
+                Root::Cell(_) => Held::Root,
+            },
+            path: SmallVec::new(),
+            ways: SmallVec::new(),
+            material: None,
+            route: Route::START,
+            frozen: false,
+            cell_from_world: DMat3::IDENTITY,
+        };
+        for number in &path {
+            let cell = self.cell_of(&place);
+            let (number, ended) = (number & !ENDED, number & ENDED != 0);
+            let Some(part) = cell.parts.get(number as usize) else {
+                break;
+            };
+            let Named::Instance(instance) = part.member.named() else {
+                break;
+            };
+            let instance = &cell.instances[instance as usize];
+            let state = instance.state;
+            let (route, frozen) =
+                if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
+            let material = part.material.or(place.material);
+            let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
+            if let Held::Kept(cell) = place.cell {
+                place.ways.extend(cell.into_part(number).map(|it| it.0));
+            }
+            (place.material, place.route, place.frozen) = (material, route, frozen);
+            place.cell_from_world = cell_from_world;
+            place.cell = match self.generation.ending(self.store.model(state)) {
+                Some(Ending::Solid(cell)) if ended => Held::Kept(cell),
+                _ => self.held(state)?,
+            };
+        }
+        place.path = path;
+        Ok(place)
+    }
+
+    /// Adds the surface where a ray ends.
+    #[inline]
+    fn see_surface(&self, place: &Place, mark: Mark, hit: &Hit, seen: &mut Seen) {
+        let cell = self.cell_of(place);
+        let Some(part) = cell.parts.get(mark.part as usize) else {
+            return;
+        };
+        let (normal, spread) = match part.member.named() {
+            Named::Leaf(leaf) => {
+                let leaf = &cell.leaves[leaf as usize];
+                let outwards = self.normal(place, cell, leaf, mark.face, hit);
+                let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
+                (if turned { -outwards } else { outwards }, 0.0)
+            }
+            // The closed box that stands for an instance inside a Boolean.
+            _ => (-hit.ray.direction.normalize(), 0.5),
+        };
+        let mut path = place.path.clone();
+        path.push(mark.part);
+        seen.push(Fragment {
+            spread,
+            material: part.material.or(place.material),
+            route: place.route_to(part),
+            site: Site { path, face: mark.face },
+            ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
+        });
+    }
+
+    /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
+    /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
+    #[inline]
+    fn normal(&self, place: &Place, cell: &Cell, leaf: &Leaf, face: u8, hit: &Hit) -> DVec3 {
+        let primitive = cell.primitive(leaf);
+        let point = if primitive.is_flat(face) {
+            DVec3::ZERO
+        } else {
+            point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
+        };
+        let normal = leaf.leaf_from_cell.matrix3.transpose() * primitive.normal(point, face);
+        let normal = place.cell_from_world.transpose() * (normal * (1.0 / normal.abs().max_element()));
+        normal.normalize()
+    }
+
+    fn held(&self, state: u32) -> Result<Held<'g>, Fault> {
+        Ok(match self.store.cell(self.generation, state)? {
+            Some(cell) => Held::Kept(cell),
+            None => Held::Own(Box::new(build(self.store, state)?)),
+        })
+    }
+}
+
+impl Place<'_> {
+    /// A hash of the whole route to a part.
+    fn route_to(&self, part: &Part) -> u64 {
+        if self.frozen { self.route } else { self.route.then(part.route) }.hash()
+    }
+}
+
+/// For ways that begin nowhere.
+static NO_CELL: LazyLock<Cell> = LazyLock::new(Cell::default);
+
+/// A matrix in other units where they are needed, so that no length on a long way is out of range.
+fn near_one(matrix: DMat3) -> DMat3 {
+    let size = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|it| it.abs().max_element());
+    let size = size[0].max(size[1]).max(size[2]);
+    if (1e-60..1e60).contains(&size) {
+        return matrix;
+    }
+    let factor = 1.0 / size;
+    DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
 }
 
 /// The point at `t` in the frame of a leaf.
 fn point_in(local: &Local, leaf_from_cell: &DAffine3, t: f64) -> DVec3 {
     let own = local.own(t);
     local.line(leaf_from_cell).at(if own.is_finite() { own } else { 0.0 })
-}
-
-impl Way {
-    /// A normal of the innermost frame in the world: mapped by the transposed inverse of each map on the way (GT95,
-    /// section 3), which is the transposed matrix of the way inwards. The frame of the first cell differs from the
-    /// world's in size only.
-    fn normal(&self, inner: DVec3) -> DVec3 {
-        let mut normal = inner;
-        for inner_from_outer in self.matrices.iter().rev() {
-            normal = inner_from_outer.transpose() * normal;
-            // So that no length on a long way is out of range.
-            normal /= normal.abs().max_element();
-        }
-        normal.normalize()
-    }
 }

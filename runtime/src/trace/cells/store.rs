@@ -15,7 +15,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use super::bounds::Loose;
 use super::build;
 use super::cell::Cell;
+use super::ending::Ending;
 use super::piece::Piece;
+use crate::eval::Path;
 use crate::fault::{Fault, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::limits::Limits;
@@ -47,12 +49,14 @@ pub(super) struct Known {
     pieces: OnceLock<Box<[Piece]>>,
     pub(super) loose: OnceLock<Loose>,
     pub(super) small: OnceLock<bool>,
+    model: OnceLock<u32>,
 }
 
 /// Cells that live and die together.
 #[derive(Debug)]
 pub(super) struct Generation {
     cells: Chunks<OnceLock<Box<Cell>>>,
+    endings: Chunks<OnceLock<Box<Ending>>>,
     count: AtomicU64,
     bytes: AtomicU64,
     most_bytes: u64,
@@ -123,6 +127,35 @@ impl<'s> Store<'s> {
         Ok(known.pieces.get_or_init(|| Piece::of_group(self, group)))
     }
 
+    /// The state that looks from far away as this one does: where what is below draws, one that stands for all with the same
+    /// values.
+    pub(super) fn model(&self, number: u32) -> u32 {
+        *self.known(number).model.get_or_init(|| self.likeness(number, 0))
+    }
+
+    /// So many states that look from far away as this one does; one if there is no chance in it.
+    pub(super) fn likenesses(&self, number: u32, count: u32) -> Vec<u32> {
+        let count = if self.state(number).path.is_some() { count } else { 1 };
+        (0..count).map(|it| self.likeness(number, it)).collect()
+    }
+
+    fn likeness(&self, number: u32, which: u32) -> u32 {
+        let state = self.state(number);
+        match state.path {
+            None => number,
+            Some(_) => self.number(State { path: Some(Path::made_up(which)), ..(*state).clone() }),
+        }
+    }
+
+    /// What the program says shall stand for a state from far away; none if it says nothing.
+    ///
+    /// # Errors
+    /// What fails in expanding it.
+    pub(super) fn proxy_pieces(&self, number: u32) -> Result<Option<Box<[Piece]>>, Fault> {
+        let group = self.expander.expand_proxy(&self.state(number))?;
+        Ok(group.map(|it| Piece::of_group(self, it)))
+    }
+
     /// A state as a step of a trail.
     pub(super) fn step(&self, number: u32, called: Origin) -> TrailStep {
         self.expander.trail_step(&self.state(number), called)
@@ -173,6 +206,7 @@ impl Generation {
     fn new(limits: &Limits) -> Self {
         Self {
             cells: Chunks::new(),
+            endings: Chunks::new(),
             count: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
             // At least one cell fits, so that every ray gets on.
@@ -184,6 +218,21 @@ impl Generation {
     #[inline(always)]
     pub(super) fn kept(&self, number: u32) -> Option<&Cell> {
         self.cells.at(number).get().map(AsRef::as_ref)
+    }
+
+    /// What stands for a state from far away, if that is known.
+    pub(super) fn ending(&self, number: u32) -> Option<&Ending> {
+        self.endings.at(number).get().map(AsRef::as_ref)
+    }
+
+    /// Keeps what stands for a state from far away.
+    pub(super) fn end(&self, number: u32, ending: Ending) -> &Ending {
+        let place = self.endings.at(number);
+        let bytes = ending.bytes() as u64;
+        if place.set(Box::new(ending)).is_ok() {
+            self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        }
+        place.get_or_init(|| Box::new(Ending::Solid(Box::default())))
     }
 
     /// Whether it has had its share of the budget.

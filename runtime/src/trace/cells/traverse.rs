@@ -4,15 +4,18 @@
 //! is in. Only cells that are not kept, and Booleans, call for a search inside the search.
 
 use super::ask::{Ask, Event, Mark, NONE, Question};
-use super::boolean::{Pieces, Place, lanes};
+use super::boolean::{Pieces, Place};
+use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
 use super::build::build;
-use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref};
+use super::cell::{Boolean, Cell, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
-use super::kernel::{BoxRay, Kernel, Met, Node, WIDTH};
+use super::ending::{ENDED, Met as Ended, ending, veil};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
+use crate::geometry::{FACE, Side};
+use crate::lanes::{Kernel, One};
 
 /// What all searches share.
 pub(super) struct Tracing<'a, 's, K> {
@@ -22,49 +25,62 @@ pub(super) struct Tracing<'a, 's, K> {
     pub(super) cull: bool,
 }
 
-/// Where a search starts.
+/// A cell on the way of a ray.
 #[derive(Clone, Copy)]
 pub(super) struct Start<'g> {
     pub(super) cell: &'g Cell,
+    pub(super) passage: Passage,
+}
+
+/// The way into a cell.
+#[derive(Clone, Copy)]
+pub(super) struct Passage {
     pub(super) state: u32,
     pub(super) called: Origin,
     pub(super) ray: Local,
+    pub(super) boxes: BoxRay,
     /// The number in the cell of the part on which (or in which) the ray starts.
     pub(super) from: u32,
+    /// The way from the scene's cell to it.
+    pub(super) trail: u32,
+    /// How many numbers are on that way.
+    pub(super) position: u32,
     /// States inside one another to here.
     pub(super) levels: u32,
-}
-
-/// The way into a cell that is not kept.
-struct Passage {
-    state: u32,
-    called: Origin,
-    ray: Local,
-    from: u32,
-    levels: u32,
+    /// At least the length in the world of what is 1 long in it; infinite where recursion is followed to its end.
+    pub(super) unit: f64,
 }
 
 /// The stacks of a search, kept from ray to ray.
 #[derive(Default)]
 pub(super) struct Scratch<'g> {
+    /// The cells that the ray is in, and room for more: a frame is filled where it stands.
     frames: Vec<Frame<'g>>,
+    /// How many of them.
+    depth: usize,
     ahead: Vec<Ahead>,
+}
+
+impl<'g> Scratch<'g> {
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.depth = 0;
+        self.ahead.clear();
+    }
+
+    /// The frame of the cell that the ray is in.
+    #[inline(always)]
+    fn last(&self) -> Option<&Frame<'g>> {
+        self.frames.get(self.depth.wrapping_sub(1))
+    }
 }
 
 /// A cell that the ray is in.
 struct Frame<'g> {
     cell: &'g Cell,
-    ray: Local,
-    boxes: BoxRay,
+    passage: Passage,
     /// Where the ray begins.
     start: f32,
-    /// Its number in the cell around it.
-    part: u32,
-    /// The number in it of the part on which (or in which) the ray starts.
-    from: u32,
-    levels: u32,
-    state: u32,
-    called: Origin,
 }
 
 /// Something still to be looked at.
@@ -90,16 +106,16 @@ pub(super) fn f32_above(x: f64) -> f32 {
 }
 
 /// More than a number of single precision is off by rounding, in parts of itself.
-const SINGLE: f64 = 1.0 / 8_388_608.0;
+pub(super) const SINGLE: f64 = 1.0 / 8_388_608.0;
 
 /// The boxes of a node that the ray meets: all of them if nothing is culled.
 #[inline(always)]
-pub(super) fn meet<K: Kernel>(kernel: K, cull: bool, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
-    if cull { kernel.meet(node, ray, from, to) } else { (node.lanes(), [f32::NEG_INFINITY; WIDTH]) }
+pub(super) fn met_of<K: Kernel>(kernel: K, cull: bool, node: &Node, ray: &BoxRay, from: f32, to: f32) -> Met {
+    if cull { meet(kernel, node, ray, from, to) } else { (node.lanes(), [f32::NEG_INFINITY; WIDTH]) }
 }
 
 impl<K: Kernel> Tracing<'_, '_, K> {
-    /// Asks along a ray.
+    /// Asks along a ray of all that is in a cell.
     ///
     /// # Errors
     /// The first fault met on the way.
@@ -112,16 +128,36 @@ impl<K: Kernel> Tracing<'_, '_, K> {
         start: Start<'g>,
     ) -> Result<(), Fault> {
         let mut search = Search { tracing: self, generation, scratch };
-        search.scratch.frames.clear();
-        search.scratch.ahead.clear();
+        search.scratch.clear();
         // No closure here: only what is inlined is compiled for the kernel's SIMD.
-        let boxes = BoxRay::new(start.ray.origin, start.ray.direction);
-        let entered = search.enter(ask, start, boxes, NONE);
-        let searched = match entered {
+        let searched = match search.enter(ask, start) {
             Ok(first) => search.run(ask, first),
             Err(fault) => Err(fault),
         };
         match searched {
+            Ok(()) => Ok(()),
+            Err(fault) => Err(search.led(*fault)),
+        }
+    }
+
+    /// Asks along a ray of one thing in a cell.
+    ///
+    /// # Errors
+    /// The first fault met on the way.
+    #[inline(always)]
+    pub(super) fn search_in<'g>(
+        &self,
+        generation: &'g Generation,
+        scratch: &mut Scratch<'g>,
+        ask: &mut Ask,
+        start: Start<'g>,
+        what: Ref,
+    ) -> Result<(), Fault> {
+        let mut search = Search { tracing: self, generation, scratch };
+        search.scratch.clear();
+        search.push_frame(start);
+        let first = Ahead { near: f32::NEG_INFINITY, what, frame: 0 };
+        match search.run(ask, Some(first)) {
             Ok(()) => Ok(()),
             Err(fault) => Err(search.led(*fault)),
         }
@@ -149,16 +185,27 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Adds the cells on the way to a fault.
     #[cold]
     fn led(&self, fault: Fault) -> Fault {
-        led_by(fault, self.scratch.frames.iter().map(|it| self.tracing.store.step(it.state, it.called)))
+        let frames = self.scratch.frames[..self.scratch.depth].iter().map(|it| &it.passage);
+        led_by(fault, frames.map(|it| self.tracing.store.step(it.state, it.called)))
+    }
+
+    #[inline(always)]
+    fn push_frame(&mut self, Start { cell, passage }: Start<'g>) {
+        let start = f32_below(passage.ray.own(0.0));
+        let Scratch { frames, depth, .. } = &mut *self.scratch;
+        match frames.get_mut(*depth) {
+            Some(frame) => (frame.cell, frame.passage, frame.start) = (cell, passage, start),
+            None => frames.push(Frame { cell, passage, start }),
+        }
+        *depth += 1;
     }
 
     /// Goes into a cell.
     #[inline(always)]
-    fn enter(&mut self, ask: &Ask, start: Start<'g>, boxes: BoxRay, part: u32) -> Result<Option<Ahead>, Stop> {
-        let Start { cell, state, called, ray, from, levels } = start;
-        let frame = self.scratch.frames.len() as u32;
-        let start = f32_below(ray.own(0.0));
-        self.scratch.frames.push(Frame { cell, ray, boxes, start, part, from, levels, state, called });
+    fn enter(&mut self, ask: &Ask, start: Start<'g>) -> Result<Option<Ahead>, Stop> {
+        let Start { cell, passage: Passage { ray, levels, called, .. } } = start;
+        let frame = self.scratch.depth as u32;
+        self.push_frame(start);
         self.tracing.check_depth(levels.saturating_add(cell.levels), called)?;
         let Some(union) = cell.unions.first() else {
             return Ok(None);
@@ -181,15 +228,15 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 return Ok(());
             };
             ask.step(self.tracing.store.limits.steps)?;
-            self.scratch.frames.truncate(number as usize + 1);
-            let Some(frame) = self.scratch.frames.last() else {
+            self.scratch.depth = number as usize + 1;
+            let Some(frame) = self.scratch.last() else {
                 return Ok(());
             };
             let cell = frame.cell;
             next = None;
             match what.named() {
                 Named::Node(node) => next = self.node(ask, number, node),
-                Named::Leaf(leaf) => self.leaf(ask, &cell.leaves[leaf as usize]),
+                Named::Leaf(number) => leaf(ask, cell, &cell.leaves[number as usize], &frame.passage),
                 Named::Instance(instance) => next = self.instance(ask, &cell.instances[instance as usize])?,
                 Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
             }
@@ -204,7 +251,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     fn pop(&mut self, ask: &Ask) -> Option<Ahead> {
         while let Some(ahead) = self.scratch.ahead.pop() {
             let frame = self.scratch.frames.get(ahead.frame as usize)?;
-            if !(self.tracing.cull && ahead.near > end(ask, &frame.ray)) {
+            if !(self.tracing.cull && ahead.near > end(ask, &frame.passage.ray)) {
                 return Some(ahead);
             }
         }
@@ -214,105 +261,88 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Gives the nearest of what the ray meets in a node, and puts the rest on the stack, the nearest on top.
     #[inline(always)]
     fn node(&mut self, ask: &Ask, number: u32, node: u32) -> Option<Ahead> {
-        let Scratch { frames, ahead } = &mut *self.scratch;
-        let frame = frames.last()?;
+        let Scratch { frames, depth, ahead } = &mut *self.scratch;
+        let frame = frames.get(*depth - 1)?;
         let node = &frame.cell.nodes[node as usize];
-        let to = end(ask, &frame.ray);
-        let (bits, near) = meet(self.tracing.kernel, self.tracing.cull, node, &frame.boxes, frame.start, to);
-        let mut lanes = lanes(bits).map(
+        let to = end(ask, &frame.passage.ray);
+        let (bits, near) = met_of(self.tracing.kernel, self.tracing.cull, node, &frame.passage.boxes, frame.start, to);
+        let mut met = Opened::default();
+        for lane in lanes_of(bits) {
+            met.add(lane, near[lane], 1);
+        }
+        if ask.question != Question::Any {
+            met.sort();
+        }
+        let mut boxes = met.iter().map(
             #[inline(always)]
-            |lane| Ahead { near: near[lane], what: node.inside[lane], frame: number },
+            |(lane, _)| Ahead { near: near[lane], what: node.inside[lane], frame: number },
         );
-        let mut nearest = lanes.next()?;
-        if ask.question == Question::Any {
-            // Any hit will do, so no order is better than another.
-            ahead.extend(lanes);
-            return Some(nearest);
-        }
-        let bottom = ahead.len();
-        for mut other in lanes {
-            if other.near < nearest.near {
-                std::mem::swap(&mut nearest, &mut other);
-            }
-            let mut place = ahead.len();
-            ahead.push(other);
-            while place > bottom && ahead[place - 1].near < other.near {
-                ahead[place] = ahead[place - 1];
-                place -= 1;
-            }
-            ahead[place] = other;
-        }
+        let nearest = boxes.next()?;
+        ahead.extend(boxes.rev());
         Some(nearest)
     }
 
     #[inline(always)]
-    fn leaf(&self, ask: &mut Ask, leaf: &Leaf) {
-        let Some(frame) = self.scratch.frames.last() else {
-            return;
-        };
-        if leaf.part == frame.from {
-            self.leaf_from(ask, frame, leaf);
-        } else {
-            self.meet_leaf(ask, leaf, &frame.ray, None);
-        }
-    }
-
-    /// The leaf on whose surface the ray starts: t is counted from the start, so that the surface is met at exactly 0.
-    #[cold]
-    fn leaf_from(&self, ask: &mut Ask, frame: &Frame, leaf: &Leaf) {
-        let face = ask.start_face();
-        self.meet_leaf(ask, leaf, &frame.ray.counted_from_start(), face);
-    }
-
-    #[inline(always)]
-    fn meet_leaf(&self, ask: &mut Ask, leaf: &Leaf, ray: &Local, from: Option<u8>) {
-        let line = ray.line(&leaf.leaf_from_cell);
-        let event = |t: f64, face: u8| {
-            let mark = Mark { trail: NONE, part: leaf.part, face };
-            Event { t: ray.world(t), mark, flipped: false }
-        };
-        if leaf.solid {
-            for chord in leaf.primitive.chords(&line, from) {
-                let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
-                ask.meet(self.way(), near, Some(far));
-            }
-        } else if let Some(crossing) = leaf.primitive.crossing(&line, from) {
-            ask.meet(self.way(), event(crossing.t, crossing.face), None);
-        }
-    }
-
-    /// The numbers of the cells the ray is in, but for the first.
-    fn way(&self) -> impl Iterator<Item = u32> + Clone {
-        self.scratch.frames.iter().skip(1).map(|it| it.part)
-    }
-
-    #[inline(always)]
     fn instance(&mut self, ask: &mut Ask, instance: &Instance) -> Result<Option<Ahead>, Stop> {
-        let Some(frame) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(None);
         };
-        let part = &frame.cell.parts[instance.part as usize];
-        let (ray, _) = frame.ray.entered(&instance.way);
+        let part = &cell.parts[instance.part as usize];
+        let (ray, _) = passage.ray.entered(&instance.way);
         let boxes = if instance.way.is_straight() {
-            frame.boxes.moved(ray.origin)
+            passage.boxes.moved(ray.origin)
         } else {
             BoxRay::new(ray.origin, ray.direction)
         };
-        let levels = frame.levels + part.levels;
-        let from = if frame.from == instance.part {
-            ask.start_part(ask.prefix.len() + self.scratch.frames.len())
-        } else {
-            NONE
-        };
-        let (state, called) = (instance.state, part.origin);
+        let position = passage.position + 1;
+        let (state, called, levels) = (instance.state, part.origin, passage.levels + part.levels);
+        if instance.side * passage.unit < ask.girth.at(ray.start()) {
+            return self.end(ask, instance, &ray, boxes);
+        }
+        let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
+        let trail = ask.notes.trails.on(passage.trail, instance.part);
+        let unit = passage.unit * instance.way.unit;
+        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit };
         let cell = match self.generation.kept(state) {
             Some(cell) => Some(cell),
             None => self.made(state, called)?,
         };
         match cell {
-            Some(cell) => self.enter(ask, Start { cell, state, called, ray, from, levels }, boxes, instance.part),
-            None => self.apart(ask, instance.part, &Passage { state, called, ray, from, levels }).map(|()| None),
+            Some(cell) => self.enter(ask, Start { cell, passage }),
+            None => self.apart(ask, passage).map(|()| None),
         }
+    }
+
+    /// Recursion ends at an instance: the beam is as wide as that.
+    #[inline(never)]
+    fn end(&mut self, ask: &mut Ask, instance: &Instance, ray: &Local, boxes: BoxRay) -> Result<Option<Ahead>, Stop> {
+        let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
+            return Ok(None);
+        };
+        let part = &cell.parts[instance.part as usize];
+        let ended = instance.part | ENDED;
+        let cell = match ending(self.tracing, self.generation, instance.state, part.origin, ask)? {
+            Ended::Solid(cell) => cell,
+            looks => {
+                if passage.from != instance.part {
+                    look_at(ask, instance, passage.trail, &passage.ray, ray, &looks);
+                }
+                return Ok(None);
+            }
+        };
+        let position = passage.position + 1;
+        let inner = Passage {
+            state: instance.state,
+            called: part.origin,
+            ray: *ray,
+            boxes,
+            from: if passage.from == ended { ask.start_part(position as usize) } else { NONE },
+            trail: ask.notes.trails.on(passage.trail, ended),
+            position,
+            levels: passage.levels + part.levels,
+            unit: f64::INFINITY,
+        };
+        self.enter(ask, Start { cell, passage: inner })
     }
 
     /// A cell that is not there yet; none if there is no room to keep it.
@@ -327,32 +357,27 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Goes through a cell that there is no room to keep.
     #[cold]
     #[inline(never)]
-    fn apart(&self, ask: &mut Ask, part: u32, passage: &Passage) -> Result<(), Stop> {
-        let Passage { state, called, ray, from, levels } = *passage;
+    fn apart(&self, ask: &mut Ask, passage: Passage) -> Result<(), Stop> {
+        let Passage { state, called, .. } = passage;
         let store = self.tracing.store;
         let cell = build(store, state).map_err(|fault| led_by(fault, std::iter::once(store.step(state, called))))?;
-        let before = ask.prefix.len();
-        ask.prefix.extend(self.way().chain([part]));
-        let start = Start { cell: &cell, state, called, ray, from, levels };
         let (tracing, generation) = (self.tracing, self.generation);
         let found = deeper(ask, |ask| {
             let mut scratch = Scratch::default();
             tracing.kernel.vectorize(
                 #[inline(always)]
-                || tracing.search(generation, &mut scratch, ask, start),
+                || tracing.search(generation, &mut scratch, ask, Start { cell: &cell, passage }),
             )
         });
-        ask.prefix.truncate(before);
         Ok(found?)
     }
 
     #[inline(never)]
     fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Stop> {
-        let Some(frame) = self.scratch.frames.last() else {
+        let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(());
         };
-        let position = ask.prefix.len() + self.scratch.frames.len() - 1;
-        let place = Place::new(frame.cell, frame.ray, frame.boxes, frame.from, position, frame.levels);
+        let place = Place::new(cell, passage);
         let range = if self.tracing.cull {
             let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
             (place.ray.own(0.0), place.ray.own(last))
@@ -367,9 +392,79 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 mark: end.surface,
                 flipped: end.flipped,
             };
-            ask.meet(self.way(), event(&piece.near), Some(event(&piece.far)));
+            ask.meet(event(&piece.near), Some(event(&piece.far)));
         }
         Ok(())
+    }
+}
+
+/// What the looks of an instance say to the question.
+pub(super) fn look_at(ask: &mut Ask, instance: &Instance, trail: u32, outer: &Local, inner: &Local, looks: &Ended) {
+    let proxy = if let Ended::Looks(proxy) = looks { Some(&**proxy) } else { None };
+    if let Some((t, coverage)) = veil(instance, outer, inner, proxy) {
+        ask.veil(t, coverage, Mark { trail, part: instance.part, face: 0 });
+    }
+}
+
+/// What a leaf says to the question.
+#[inline(always)]
+pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
+    if leaf.part == passage.from {
+        // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
+        let ray = passage.ray.counted_from_start();
+        if !is_left(leaf, &ray, ask.start_face()) {
+            meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
+        }
+    } else {
+        meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
+    }
+}
+
+/// Whether a ray that starts on a leaf will not meet it again.
+#[inline(always)]
+pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
+    match (leaf.shape, face) {
+        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
+        (LeafShape::Convex(_) | LeafShape::Other(_), _) => false,
+    }
+}
+
+#[inline(always)]
+fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
+    let convex = match leaf.shape {
+        LeafShape::Convex(convex) if ray.is_tame() => convex,
+        LeafShape::Convex(_) | LeafShape::Other(_) => return meet_primitive(ask, cell, leaf, trail, ray, None),
+    };
+    let pieces = convex.pieces(One::new(), &ray.lines(&leaf.leaf_from_cell));
+    if pieces.odd.value {
+        return meet_primitive(ask, cell, leaf, trail, ray, None);
+    }
+    if pieces.met.value {
+        let event = |side: Side<One>| {
+            let mark = Mark { trail, part: leaf.part, face: (side.face / FACE) as u8 };
+            Event { t: ray.world(side.t.value), mark, flipped: false }
+        };
+        ask.meet(event(pieces.near), leaf.solid.then(|| event(pieces.far)));
+    }
+}
+
+/// What a leaf says to the question that is no convex primitive, or whose ray is out of the ordinary.
+#[cold]
+#[inline(never)]
+fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u8>) {
+    let primitive = cell.primitive(leaf);
+    let line = ray.line(&leaf.leaf_from_cell);
+    let event = |t: f64, face: u8| {
+        let mark = Mark { trail, part: leaf.part, face };
+        Event { t: ray.world(t), mark, flipped: false }
+    };
+    if leaf.solid {
+        for chord in primitive.chords(&line, from) {
+            let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
+            ask.meet(near, Some(far));
+        }
+    } else if let Some(crossing) = primitive.crossing(&line, from) {
+        ask.meet(event(crossing.t, crossing.face), None);
     }
 }
 

@@ -1,0 +1,155 @@
+//! Renders one program several times with one tracer, on one thread, and prints what it took as a line of JSON: the processor time
+//! of the first frame, for which cells are expanded, and of the later ones, for which they are there.
+//!
+//!     cargo bench --bench frames -- benches/scenes/s1.tg --frames 5 --set Sierpinski.order=12
+#![allow(unreachable_pub, reason = "a program has no other users than itself")]
+#![allow(clippy::print_stdout, reason = "it is a program, and prints")]
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::Parser;
+use rayon::ThreadPoolBuilder;
+use serde::Serialize;
+use treegen_compiler::{Compiled, Loaded, NoFiles, Options, Setting, compile, show};
+use treegen_runtime::form::Scene;
+use treegen_runtime::picture::{Picture, RenderOptions, render};
+use treegen_runtime::trace::cells::{CellTracer, Culling};
+use treegen_runtime::{Fault, Limits};
+
+/// The stack of the thread that works.
+const STACK_BYTES: usize = 256 << 20;
+
+#[derive(Parser)]
+struct Arguments {
+    /// The program; it may not use other files
+    file: PathBuf,
+    /// How many frames
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..))]
+    frames: u32,
+    /// A value for a parameter
+    #[arg(long, value_parser = setting)]
+    set: Vec<Setting>,
+    /// Rays a pixel
+    #[arg(long, default_value_t = 1)]
+    samples: u32,
+    /// How many pixels large what recursion is not followed into is; 0, as the peers have it, follows it to its end
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.0)]
+    detail: f64,
+    /// Memory for what is kept between rays, in MB
+    #[arg(long, default_value_t = 256)]
+    cell_memory: u64,
+    /// Said by cargo.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// What it took.
+#[derive(Serialize)]
+struct Numbers {
+    frames: u32,
+    camera: u64,
+    shadow: u64,
+    /// Pixels in which something is seen.
+    hits: usize,
+    prepare_cpu_s: f64,
+    first_cpu_s: f64,
+    /// The median of the frames after the first.
+    later_cpu_s: f64,
+    first_mrays_s_core: f64,
+    later_mrays_s_core: f64,
+    states: u64,
+    cells: u64,
+    cell_bytes: u64,
+    peak_rss_mb: Option<f64>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
+    let scene = scene(&arguments)?;
+    let pool = ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES).build()?;
+    let numbers = pool.install(|| measure(&scene, &arguments)).map_err(|fault| format!("{fault:?}"))?;
+    println!("{}", serde_json::to_string(&numbers)?);
+    Ok(())
+}
+
+fn scene(arguments: &Arguments) -> Result<Scene, Box<dyn Error>> {
+    let text = std::fs::read_to_string(&arguments.file)?;
+    let main = Loaded { name: arguments.file.display().to_string(), text };
+    let options = Options { settings: arguments.set.clone(), ..Options::default() };
+    let Compiled { scene, problems, sources, .. } = compile(main, &NoFiles, &options);
+    scene.ok_or_else(|| show(&problems, &sources, false).into())
+}
+
+fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
+    let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..Limits::default() };
+    let (samples, detail) = (Some(arguments.samples), arguments.detail);
+    let options = RenderOptions { samples, detail, ..RenderOptions::default() };
+    let (tracer, prepare_cpu_s) = timed(|| CellTracer::new(scene, &limits, Culling::State));
+    let tracer = tracer?;
+    let (picture, first_cpu_s) = timed(|| render(scene, &tracer, &options, &()));
+    let picture = picture?;
+    let mut later = Vec::new();
+    for _ in 1..arguments.frames {
+        let (again, seconds) = timed(|| render(scene, &tracer, &options, &()));
+        assert!(again? == picture, "a frame differs from the first");
+        later.push(seconds);
+    }
+    later.sort_by(f64::total_cmp);
+    let later_cpu_s = later[later.len() / 2];
+    let counts = tracer.counts();
+    Ok(Numbers {
+        frames: arguments.frames,
+        camera: picture.rays.camera,
+        shadow: picture.rays.shadow,
+        hits: picture.color.iter().filter(|it| it[3] > 0.0).count(),
+        prepare_cpu_s,
+        first_cpu_s,
+        later_cpu_s,
+        first_mrays_s_core: rate(&picture, first_cpu_s),
+        later_mrays_s_core: rate(&picture, later_cpu_s),
+        states: counts.states,
+        cells: counts.cells,
+        cell_bytes: counts.cell_bytes,
+        peak_rss_mb: peak_rss_mb(),
+    })
+}
+
+/// Millions of rays a second.
+fn rate(picture: &Picture, seconds: f64) -> f64 {
+    (picture.rays.camera + picture.rays.shadow) as f64 / seconds / 1e6
+}
+
+/// The result of some work, and the processor time that this thread took for it, in seconds.
+#[cfg(unix)]
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    use nix::time::{ClockId, clock_gettime};
+    let now = || {
+        clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)
+            .map_or(f64::NAN, |it| std::time::Duration::from(it).as_secs_f64())
+    };
+    let before = now();
+    let result = work();
+    (result, now() - before)
+}
+
+/// The result of some work, and the time it took, in seconds: that of the processor is not known here.
+#[cfg(not(unix))]
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = std::time::Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// The most memory that this process has held at once; none where the system does not say.
+fn peak_rss_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|it| it.strip_prefix("VmHWM:"))?;
+    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes / 1024.0)
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    let (name, value) = text.split_once('=').ok_or("write a name, `=` and a value")?;
+    Ok(Setting { name: name.to_owned(), value: value.to_owned() })
+}

@@ -1,0 +1,107 @@
+//! Where recursion ends: what stands for a state that is smaller than the beam that meets it.
+
+use std::sync::Arc;
+
+use super::ask::Ask;
+use super::build::build_proxy;
+use super::cell::{Cell, Instance};
+use super::measure::{Known, measure};
+use super::proxy::Proxy;
+use super::ray::Local;
+use super::store::{Generation, led_by};
+use super::traverse::Tracing;
+use crate::fault::Fault;
+use crate::form::Origin;
+use crate::lanes::Kernel;
+
+/// What stands for a state from far away.
+#[derive(Debug)]
+pub(super) enum Ending {
+    /// What it was measured to look like.
+    Looks(Arc<Proxy>),
+    /// The solid that the program gives.
+    Solid(Box<Cell>),
+}
+
+/// An ending as a ray meets it.
+pub(super) enum Met<'g> {
+    Looks(Arc<Proxy>),
+    Solid(&'g Cell),
+    /// A closed box: the state is being measured itself.
+    Box,
+}
+
+/// What is added to the number of a part where a ray went into the solid that stands for it.
+pub(super) const ENDED: u32 = 1 << 25;
+
+impl Ending {
+    /// How many bytes it takes.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Looks(_) => size_of::<Self>() + size_of::<Proxy>(),
+            Self::Solid(cell) => size_of::<Self>() + cell.bytes(),
+        }
+    }
+
+    fn met(&self) -> Met<'_> {
+        match self {
+            Self::Looks(proxy) => Met::Looks(Arc::clone(proxy)),
+            Self::Solid(cell) => Met::Solid(cell),
+        }
+    }
+}
+
+/// What stands for a state from far away.
+///
+/// # Errors
+/// What fails in expanding what is in it.
+pub(super) fn ending<'g, K: Kernel>(
+    tracing: &Tracing<K>,
+    generation: &'g Generation,
+    state: u32,
+    called: Origin,
+    ask: &mut Ask,
+) -> Result<Met<'g>, Fault> {
+    let store = tracing.store;
+    let model = store.model(state);
+    if let Some(ending) = generation.ending(model) {
+        return Ok(ending.met());
+    }
+    match ask.measuring.and_then(|it| it.knows(model)) {
+        Some(Known::UnderWay) => return Ok(Met::Box),
+        Some(Known::Looks(proxy)) => return Ok(Met::Looks(proxy)),
+        None => {}
+    }
+    let led = |fault| led_by(fault, std::iter::once(store.step(state, called)));
+    if let Some(cell) = build_proxy(store, model).map_err(led)? {
+        return Ok(generation.end(model, Ending::Solid(Box::new(cell))).met());
+    }
+    let (proxy, clean) = measure(tracing, generation, model, ask).map_err(led)?;
+    let proxy = Arc::new(proxy);
+    if clean {
+        return Ok(generation.end(model, Ending::Looks(proxy)).met());
+    }
+    if let Some(outer) = ask.measuring {
+        outer.keep(model, &proxy);
+    }
+    Ok(Met::Looks(proxy))
+}
+
+/// How much the looks of an instance hide of a ray, and where; nothing if the ray does not meet its box.
+pub(super) fn veil(instance: &Instance, outer: &Local, inner: &Local, proxy: Option<&Proxy>) -> Option<(f64, f64)> {
+    let (near, far) = outer.between(&instance.bounds)?;
+    let t = outer.world((near + far) * 0.5);
+    let Some(proxy) = proxy else {
+        return Some((t, 1.0));
+    };
+    // A map changes the area of a shadow as it changes the volume, but for the length along the ray.
+    let hidden = proxy.area(inner.direction) * instance.way.volume / inner.length_in(outer);
+    Some((t, (hidden / shadow(instance, outer)).min(1.0)))
+}
+
+/// The area of the shadow of an instance's box along a ray.
+fn shadow(instance: &Instance, ray: &Local) -> f64 {
+    let size = instance.bounds.max - instance.bounds.min;
+    let d = ray.direction.abs();
+    d.x * size.y * size.z + d.y * size.z * size.x + d.z * size.x * size.y
+}

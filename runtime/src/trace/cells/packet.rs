@@ -1,0 +1,728 @@
+//! The search along sixteen rays side by side, as long as most of them go the same way.
+//!
+//! The stacks are those of the search along one ray (`traverse`); each entry says which of the rays it is for. Where
+//! few are left, each of them goes on alone. What a ray meets is the same, to the bit, in whatever company it travels.
+
+use pulp::{Simd, f32x16, f64x8, u64x8};
+
+use super::ask::{Ask, Found, Girth, Loss, Mark, NONE, Notes, Question, start_part};
+use super::boxes::{BoxRays, Met, Node, Opened, WIDTH, lanes_of};
+use super::cell::{Cell, Leaf, LeafShape, Named, Ref};
+use super::ending::{Met as Ended, ending};
+use super::ray::{Inwards, Local, Locals, NEAR, TAME};
+use super::store::{Generation, led_by};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at};
+use crate::fault::Fault;
+use crate::form::Origin;
+use crate::geometry::Convex;
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
+use crate::trace::{Beam, Site};
+
+/// Rays in a packet.
+pub(super) const RAYS: usize = 16;
+/// Rays that go on alone if no more are left.
+const FEW: u32 = 2;
+
+/// The numbers of the rays on the packet's two halves.
+type Halves<T> = [T; 2];
+
+/// What all rays of a packet ask, and what they have found.
+pub(super) struct PacketAsk<'q> {
+    pub(super) question: Question,
+    /// The surface that each ray starts on.
+    pub(super) from: [Option<&'q Site>; RAYS],
+    /// The rays that still ask.
+    pub(super) asking: u32,
+    /// The rays whose search is over, as [`Ask::over`].
+    pub(super) over: u32,
+    /// How wide the beams are, and by how much they grow.
+    width: Halves<f64x8>,
+    spread: Halves<f64x8>,
+    best: Halves<f64x8>,
+    found: Halves<u64x8>,
+    /// How much light veils have taken.
+    loss: [Loss; RAYS],
+    /// How often something nearer has been found.
+    changes: u32,
+    steps: u64,
+}
+
+impl<'q> PacketAsk<'q> {
+    /// A question along the beams of the bits that are set.
+    #[inline(always)]
+    pub(super) fn new(question: Question, asking: u32, beams: &[Beam; RAYS], from: [Option<&'q Site>; RAYS]) -> Self {
+        let (mut width, mut spread) = ([[0.0; EIGHT]; 2], [[0.0; EIGHT]; 2]);
+        for (number, beam) in beams.iter().enumerate() {
+            width[number / EIGHT][number % EIGHT] = beam.width;
+            spread[number / EIGHT][number % EIGHT] = beam.spread;
+        }
+        Self {
+            question,
+            from,
+            asking,
+            over: 0,
+            width: pulp::cast(width),
+            spread: pulp::cast(spread),
+            best: [pulp::cast([f64::INFINITY; EIGHT]); 2],
+            found: [pulp::cast([Found::NOTHING.0; EIGHT]); 2],
+            loss: [Loss::default(); RAYS],
+            changes: 0,
+            steps: 0,
+        }
+    }
+
+    /// How much light comes to a ray.
+    pub(super) fn light(&self, ray: usize) -> f64 {
+        if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() }
+    }
+
+    /// The question of one of the rays.
+    fn of_ray<'a>(&self, ray: usize, notes: &'a mut Notes) -> Ask<'a>
+    where
+        'q: 'a,
+    {
+        let (half, lane) = (ray / EIGHT, ray % EIGHT);
+        let girth = Girth { width: lane_of(&self.width[half], lane), spread: lane_of(&self.spread[half], lane) };
+        let (best, found) = self.found(ray);
+        let mut ask = Ask::new(self.question, self.from[ray], girth, notes);
+        (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
+        ask
+    }
+
+    /// Where a ray has met something, and what.
+    pub(super) fn found(&self, ray: usize) -> (f64, Found) {
+        let found = &bytemuck::cast_ref::<u64x8, [u64; EIGHT]>(&self.found[ray / EIGHT])[ray % EIGHT];
+        (lane_of(&self.best[ray / EIGHT], ray % EIGHT), Found(*found))
+    }
+
+    /// Takes what a ray has found by itself.
+    fn answer(&mut self, ray: usize, answer: Answer) {
+        let Answer { best, found, over, loss } = answer;
+        self.loss[ray] = loss;
+        if over {
+            self.end(1 << ray);
+        }
+        if self.found(ray) == (best, found) {
+            return;
+        }
+        bytemuck::cast_mut::<f64x8, [f64; EIGHT]>(&mut self.best[ray / EIGHT])[ray % EIGHT] = best;
+        bytemuck::cast_mut::<u64x8, [u64; EIGHT]>(&mut self.found[ray / EIGHT])[ray % EIGHT] = found.0;
+        self.changes += 1;
+    }
+
+    /// The beams that are wider, where they are nearest to the centres of their frames, than a length.
+    #[inline(always)]
+    fn wider<K: Kernel>(&self, kernel: K, [low, high]: &Halves<Locals<K::Lanes>>, length: f64) -> u32 {
+        let lanes = kernel.lanes();
+        let (zero, length) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, length));
+        let mut bits = 0;
+        for (half, local) in [low, high].into_iter().enumerate() {
+            let t = local.offset.gt(zero).select(local.offset, zero);
+            let girth = Wide::new(lanes, self.width[half]) + Wide::new(lanes, self.spread[half]) * t;
+            bits |= kernel.bits(length.lt(girth).value) << (half * EIGHT);
+        }
+        bits
+    }
+
+    /// A ray's search is over.
+    fn end(&mut self, rays: u32) {
+        self.over |= rays;
+        self.asking &= !rays;
+    }
+}
+
+/// What a ray has found by itself.
+#[derive(Clone, Copy)]
+struct Answer {
+    best: f64,
+    found: Found,
+    over: bool,
+    loss: Loss,
+}
+
+impl Answer {
+    fn of(ask: &Ask) -> Self {
+        Self { best: ask.best, found: ask.found, over: ask.over, loss: ask.loss }
+    }
+}
+
+/// The stacks of a search, kept from packet to packet.
+pub(super) struct PacketScratch<'g, K: Kernel> {
+    /// The cells that the rays are in, and room for more: a frame is large, and is filled where it stands.
+    frames: Vec<Frame<'g, K>>,
+    /// How many of them.
+    depth: usize,
+    ahead: Vec<Ahead>,
+    /// For rays that go on alone.
+    alone: Scratch<'g>,
+}
+
+impl<K: Kernel> Default for PacketScratch<'_, K> {
+    fn default() -> Self {
+        Self { frames: Vec::new(), depth: 0, ahead: Vec::new(), alone: Scratch::default() }
+    }
+}
+
+/// A cell that rays are in.
+struct Frame<'g, K: Kernel> {
+    rays: Rays<K>,
+    cell: &'g Cell,
+    way: Way,
+    /// The rays that start on (or in) a part of the cell,
+    starting: u32,
+    /// and which.
+    from: [u32; RAYS],
+    /// The rays whose numbers are too large for squares.
+    wild: u32,
+    /// As of when `rays.to` is.
+    changes: u32,
+    /// The least of where the rays begin, and the greatest of where nothing more is of interest.
+    from_least: f32,
+    to_most: f32,
+}
+
+/// How a cell was reached.
+#[derive(Clone, Copy)]
+struct Way {
+    state: u32,
+    called: Origin,
+    trail: u32,
+    position: u32,
+    levels: u32,
+    /// As in [`Passage`].
+    unit: f64,
+}
+
+/// Rays in a cell.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Rays<K: Kernel> {
+    local: Halves<Locals<K::Lanes>>,
+    boxes: BoxRays,
+    /// Where each begins, and where nothing more is of interest.
+    from: f32x16,
+    to: f32x16,
+}
+
+/// Something still to be looked at, and by which rays.
+#[derive(Clone, Copy)]
+struct Ahead {
+    near: f32,
+    what: Ref,
+    frame: u32,
+    rays: u32,
+}
+
+type Stop = Box<Fault>;
+
+/// A search along a packet.
+pub(super) struct PacketSearch<'a, 'b, 's, 'g, 'q, K: Kernel> {
+    pub(super) tracing: &'a Tracing<'b, 's, K>,
+    pub(super) generation: &'g Generation,
+    pub(super) scratch: &'a mut PacketScratch<'g, K>,
+    pub(super) notes: &'a mut Notes,
+    pub(super) ask: &'a mut PacketAsk<'q>,
+}
+
+impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
+    /// Asks along rays of all that is in the scene's cell.
+    ///
+    /// # Errors
+    /// A fault that some of the rays have met.
+    #[inline(always)]
+    pub(super) fn search(
+        &mut self,
+        cell: &'g Cell,
+        state: u32,
+        beams: &[Beam; RAYS],
+        cell_from_world: &Inwards,
+    ) -> Result<(), Fault> {
+        self.scratch.ahead.clear();
+        self.scratch.depth = 1;
+        let kernel = self.tracing.kernel;
+        let unit = cell_from_world.unit;
+        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit };
+        let asking = self.ask.asking;
+        let frame = match self.scratch.frames.first_mut() {
+            Some(frame) => frame,
+            None => {
+                self.scratch.frames.push(Frame::blank(kernel, cell, way));
+                &mut self.scratch.frames[0]
+            }
+        };
+        (frame.cell, frame.way) = (cell, way);
+        let (low, high) = beams.split_at(EIGHT);
+        let lanes = kernel.lanes();
+        frame.rays.local =
+            [Locals::of_world(lanes, low, cell_from_world), Locals::of_world(lanes, high, cell_from_world)];
+        frame.rays.boxes = BoxRays::new(kernel, &frame.rays.local, asking);
+        frame.starting = 0;
+        for ray in lanes_of(asking) {
+            frame.start(ray, start_part(self.ask.from[ray], 0));
+        }
+        let searched = match self.enter(asking) {
+            Ok(()) => self.run(),
+            Err(fault) => Err(fault),
+        };
+        match searched {
+            Ok(()) => Ok(()),
+            Err(fault) => Err(self.led(*fault)),
+        }
+    }
+
+    #[cold]
+    fn led(&self, fault: Fault) -> Fault {
+        let steps = self.scratch.frames[..self.scratch.depth]
+            .iter()
+            .map(|it| self.tracing.store.step(it.way.state, it.way.called));
+        led_by(fault, steps)
+    }
+
+    /// Looks at all that is ahead.
+    #[inline(always)]
+    fn run(&mut self) -> Result<(), Stop> {
+        while let Some(Ahead { what, frame, rays, near }) = self.scratch.ahead.pop() {
+            let rays = rays & self.ask.asking;
+            if rays == 0 {
+                continue;
+            }
+            self.scratch.depth = frame as usize + 1;
+            self.renew();
+            let Some(frame) = self.scratch.last() else {
+                return Ok(());
+            };
+            if self.tracing.cull && near > frame.to_most {
+                continue;
+            }
+            let cell = frame.cell;
+            self.count_step()?;
+            if rays.count_ones() <= FEW {
+                self.go_alone(rays, what)?;
+                continue;
+            }
+            match what.named() {
+                Named::Node(node) => self.node(&cell.nodes[node as usize], rays),
+                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+                Named::Instance(instance) => self.instance(instance, rays)?,
+                Named::Boolean(_) => self.go_alone(rays, what)?,
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn count_step(&mut self) -> Result<(), Stop> {
+        self.ask.steps += 1;
+        let most = self.tracing.store.limits.steps;
+        if self.ask.steps > most { Err(Box::new(super::ask::too_many_steps(most))) } else { Ok(()) }
+    }
+
+    /// Each of the rays looks at something by itself.
+    fn go_alone(&mut self, rays: u32, what: Ref) -> Result<(), Stop> {
+        let (tracing, generation) = (self.tracing, self.generation);
+        let PacketScratch { frames, depth, alone, .. } = &mut *self.scratch;
+        let Some(frame) = frames.get(*depth - 1) else {
+            return Ok(());
+        };
+        for ray in lanes_of(rays) {
+            let start = Start { cell: frame.cell, passage: frame.passage(ray) };
+            let mut ask = self.ask.of_ray(ray, self.notes);
+            tracing.kernel.vectorize(
+                #[inline(always)]
+                || tracing.search_in(generation, alone, &mut ask, start, what),
+            )?;
+            let answer = Answer::of(&ask);
+            self.ask.answer(ray, answer);
+        }
+        Ok(())
+    }
+
+    /// Makes the last frame's `to` what it must be by what has been found.
+    #[inline(always)]
+    fn renew(&mut self) {
+        let Some(frame) = self.scratch.last_mut() else {
+            return;
+        };
+        if frame.changes != self.ask.changes {
+            frame.renew(self.tracing.kernel, self.ask);
+        }
+    }
+
+    /// Goes into the cell of the last frame, whose rays, way and starts are filled in.
+    #[inline(always)]
+    fn enter(&mut self, rays: u32) -> Result<(), Stop> {
+        let (kernel, number) = (self.tracing.kernel, self.scratch.depth as u32 - 1);
+        let Some(frame) = self.scratch.last_mut() else {
+            return Ok(());
+        };
+        let lanes = kernel.lanes();
+        let [low, high] = &frame.rays.local;
+        let squares = [low.origin.dot(low.origin), high.origin.dot(high.origin)];
+        let (near, tame) = (below(kernel, squares, NEAR), below(kernel, squares, TAME));
+        let zero = Wide::splat(lanes, 0.0);
+        let begin = [below_single(low.own(zero)), below_single(high.own(zero))];
+        frame.rays.from = kernel.narrow(begin[0].value, begin[1].value);
+        frame.from_least = -most(kernel, negative16(lanes, frame.rays.from));
+        frame.wild = !tame;
+        frame.renew(kernel, self.ask);
+        let (cell, way) = (frame.cell, frame.way);
+        self.tracing.check_depth(way.levels.saturating_add(cell.levels), way.called)?;
+        let Some(union) = cell.unions.first() else {
+            return Ok(());
+        };
+        if let Some(root) = union.root {
+            let rays = if self.tracing.cull { rays & near } else { rays };
+            if rays != 0 {
+                let root = Ref::new(Named::Node(root));
+                self.scratch.ahead.push(Ahead { near: f32::NEG_INFINITY, what: root, frame: number, rays });
+            }
+        }
+        for what in union.always.iter().rev() {
+            self.scratch.ahead.push(Ahead { near: f32::NEG_INFINITY, what: *what, frame: number, rays });
+        }
+        Ok(())
+    }
+
+    /// Looks at the leaves of a node, and puts the rest on the stack, the nearest on top.
+    fn node(&mut self, node: &Node, rays: u32) {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.open(node, rays),
+        );
+    }
+
+    #[inline(always)]
+    fn open(&mut self, node: &Node, rays: u32) {
+        let Some(frame) = self.scratch.last() else {
+            return;
+        };
+        let number = self.scratch.depth as u32 - 1;
+        let (kernel, cell) = (self.tracing.kernel, frame.cell);
+        let (bits, near): Met = if self.tracing.cull {
+            frame.rays.boxes.may_meet(kernel, node, frame.from_least, frame.to_most)
+        } else {
+            (node.lanes(), [f32::NEG_INFINITY; WIDTH])
+        };
+        let mut met = Opened::default();
+        let rays = rays & self.ask.asking;
+        for lane in lanes_of(bits) {
+            let meeting = if self.tracing.cull {
+                rays & frame.rays.boxes.meet(kernel, node, lane, frame.rays.from, frame.rays.to)
+            } else {
+                rays
+            };
+            met.add(lane, near[lane], meeting);
+        }
+        if self.ask.question != Question::Any {
+            met.sort();
+        }
+        let bottom = self.scratch.ahead.len();
+        for (lane, rays) in met.iter() {
+            let rays = rays & self.ask.asking;
+            if rays == 0 {
+                continue;
+            }
+            let what = node.inside[lane];
+            match what.named() {
+                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+                _ => self.scratch.ahead.push(Ahead { near: near[lane], what, frame: number, rays }),
+            }
+        }
+        self.scratch.ahead[bottom..].reverse();
+    }
+
+    /// Goes into a cell inside this one.
+    fn instance(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.go_into(number, rays),
+        )
+    }
+
+    #[inline(always)]
+    fn go_into(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
+        let kernel = self.tracing.kernel;
+        let depth = self.scratch.depth;
+        let Some(Frame { cell: outer_cell, way: outer_way, .. }) = self.scratch.last() else {
+            return Ok(());
+        };
+        let (outer_cell, outer_way) = (*outer_cell, *outer_way);
+        let instance = &outer_cell.instances[number as usize];
+        let part = &outer_cell.parts[instance.part as usize];
+        if self.scratch.frames.len() == depth {
+            self.scratch.frames.push(Frame::blank(kernel, outer_cell, outer_way));
+        }
+        let (outer, inner) = self.scratch.frames.split_at_mut(depth);
+        let (Some(outer), Some(inner)) = (outer.last(), inner.first_mut()) else {
+            return Ok(());
+        };
+        for half in 0..2 {
+            inner.rays.local[half] = outer.rays.local[half].entered(&instance.way).0;
+        }
+        let ended = rays & self.ask.wider(kernel, &inner.rays.local, instance.side * outer_way.unit);
+        let rays = rays & !ended;
+        if rays == 0 {
+            return self.end(number, ended);
+        }
+        let (state, called) = (instance.state, part.origin);
+        let cell = match self.generation.kept(state) {
+            Some(cell) => Some(cell),
+            None => self.made(state, called)?,
+        };
+        let what = Ref::new(Named::Instance(number));
+        if ended != 0 {
+            // Few packets meet an instance that is as wide as they are.
+            self.go_alone(ended, what)?;
+        }
+        let Some(cell) = cell else {
+            return self.go_alone(rays, what);
+        };
+        let (outer, inner) = self.scratch.frames.split_at_mut(depth);
+        let (Some(outer), Some(inner)) = (outer.last(), inner.first_mut()) else {
+            return Ok(());
+        };
+        inner.rays.boxes = if instance.way.is_straight() {
+            outer.rays.boxes.moved(kernel, &inner.rays.local, rays)
+        } else {
+            BoxRays::new(kernel, &inner.rays.local, rays)
+        };
+        let position = outer_way.position + 1;
+        let trail = self.notes.trails.on(outer_way.trail, instance.part);
+        let (levels, unit) = (outer_way.levels + part.levels, outer_way.unit * instance.way.unit);
+        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit });
+        inner.starting = 0;
+        for ray in lanes_of(outer.starting & rays) {
+            if outer.from[ray] == instance.part {
+                inner.start(ray, start_part(self.ask.from[ray], position as usize));
+            }
+        }
+        self.scratch.depth += 1;
+        self.enter(rays)
+    }
+
+    /// Recursion ends at an instance: all of the beams are as wide as that. Their ways inside are in the next frame.
+    #[inline(never)]
+    fn end(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
+        let depth = self.scratch.depth;
+        let [.., outer, inner] = &self.scratch.frames[..=depth] else {
+            return Ok(());
+        };
+        let (cell, way) = (outer.cell, outer.way);
+        let instance = &cell.instances[number as usize];
+        let called = cell.parts[instance.part as usize].origin;
+        let first = rays.trailing_zeros() as usize;
+        let mut ask = self.ask.of_ray(first, self.notes);
+        let looks = match ending(self.tracing, self.generation, instance.state, called, &mut ask)? {
+            Ended::Solid(_) => return self.go_alone(rays, Ref::new(Named::Instance(number))),
+            looks => looks,
+        };
+        for ray in lanes_of(rays) {
+            if outer.starting >> ray & 1 == 1 && outer.from[ray] == instance.part {
+                continue;
+            }
+            let (half, lane) = (ray / EIGHT, ray % EIGHT);
+            let (outer, inner) = (outer.rays.local[half].ray(lane), inner.rays.local[half].ray(lane));
+            let mut ask = self.ask.of_ray(ray, self.notes);
+            look_at(&mut ask, instance, way.trail, &outer, &inner, &looks);
+            let answer = Answer::of(&ask);
+            self.ask.answer(ray, answer);
+        }
+        Ok(())
+    }
+
+    /// A cell that is not there yet; none if there is no room to keep it.
+    #[cold]
+    #[inline(never)]
+    fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
+        let store = self.tracing.store;
+        let made = store.cell(self.generation, state);
+        made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(state, called)))))
+    }
+
+    /// Looks at a leaf.
+    fn leaf(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+        let kernel = self.tracing.kernel;
+        kernel.vectorize(
+            #[inline(always)]
+            || self.meet(cell, leaf, rays),
+        );
+    }
+
+    #[inline(always)]
+    fn meet(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+        let Some(frame) = self.scratch.last() else {
+            return;
+        };
+        let mut apart = rays & frame.wild;
+        let mut rays = rays;
+        for ray in lanes_of(frame.starting & rays) {
+            if frame.from[ray] == leaf.part {
+                let face = self.ask.from[ray].map(|it| it.face);
+                if is_left(leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
+                    rays &= !(1 << ray);
+                } else {
+                    apart |= 1 << ray;
+                }
+            }
+        }
+        apart &= rays;
+        let together = rays & !apart;
+        match leaf.shape {
+            LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
+            LeafShape::Convex(_) => {}
+            LeafShape::Other(_) => apart = rays,
+        }
+        if apart != 0 {
+            self.leaf_apart(cell, leaf, apart);
+        }
+    }
+
+    /// What rays meet of a convex leaf; gives those that have to ask one by one.
+    #[inline(always)]
+    fn convex(&mut self, leaf: &Leaf, convex: &Convex, rays: u32) -> u32 {
+        let Some(frame) = self.scratch.last() else {
+            return 0;
+        };
+        let kernel = self.tracing.kernel;
+        let lanes = kernel.lanes();
+        let zero = Wide::splat(lanes, 0.0);
+        let mark = Found::new(Mark { trail: frame.way.trail, part: leaf.part, face: 0 }, false);
+        let (mut over, mut nearer, mut ties, mut odd) = (0, 0, 0, 0);
+        for half in 0..2 {
+            let rays = rays >> (half * EIGHT) & 0xff;
+            if rays == 0 {
+                continue;
+            }
+            let local = &frame.rays.local[half];
+            let pieces = convex.pieces(lanes, &local.lines(&leaf.leaf_from_cell));
+            let asking = Mask::new(lanes, kernel.mask(rays));
+            odd |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
+            let met = pieces.met & asking;
+            let near = local.world(pieces.near.t);
+            match self.ask.question {
+                Question::Any => {
+                    let mut hit = near.gt(zero);
+                    if leaf.solid {
+                        let far = local.world(pieces.far.t);
+                        hit = hit | (far.gt(zero) & far.lt(Wide::splat(lanes, f64::INFINITY)));
+                    }
+                    over |= kernel.bits((met & hit).value) << (half * EIGHT);
+                }
+                _ => {
+                    let best = Wide::new(lanes, self.ask.best[half]);
+                    let ahead = met & near.gt(zero);
+                    let closer = ahead & near.lt(best);
+                    let tie = ahead & near.equals(best);
+                    if leaf.solid {
+                        let inside = met & near.le(zero) & local.world(pieces.far.t).gt(zero);
+                        over |= kernel.bits(inside.value) << (half * EIGHT);
+                    }
+                    let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
+                    self.ask.best[half] = closer.select(near, best).value;
+                    self.ask.found[half] = closer.select_bits(found, self.ask.found[half]);
+                    nearer |= kernel.bits(closer.value);
+                    ties |= kernel.bits(tie.value) << (half * EIGHT);
+                }
+            }
+        }
+        self.ask.end(over);
+        self.ask.changes += u32::from(nearer != 0);
+        // Of two surfaces at one place the first written is seen: rare enough to be looked at alone.
+        odd | ties
+    }
+
+    /// Rays that look at a leaf one by one.
+    #[cold]
+    #[inline(never)]
+    fn leaf_apart(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+        let Some(frame) = self.scratch.last() else {
+            return;
+        };
+        for ray in lanes_of(rays) {
+            let mut ask = self.ask.of_ray(ray, self.notes);
+            super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
+            let answer = Answer::of(&ask);
+            self.ask.answer(ray, answer);
+        }
+    }
+}
+
+impl<'g, K: Kernel> PacketScratch<'g, K> {
+    #[inline(always)]
+    fn last(&self) -> Option<&Frame<'g, K>> {
+        self.frames.get(self.depth.wrapping_sub(1))
+    }
+
+    #[inline(always)]
+    fn last_mut(&mut self) -> Option<&mut Frame<'g, K>> {
+        self.frames.get_mut(self.depth.wrapping_sub(1))
+    }
+}
+
+impl<'g, K: Kernel> Frame<'g, K> {
+    /// A frame to be filled.
+    fn blank(kernel: K, cell: &'g Cell, way: Way) -> Self {
+        let zero = pulp::cast([0.0_f32; RAYS]);
+        let rays = Rays { local: [Locals::blank(kernel.lanes()); 2], boxes: BoxRays::BLANK, from: zero, to: zero };
+        let (from, starting, wild, changes) = ([NONE; RAYS], 0, 0, 0);
+        Self { rays, cell, way, starting, from, wild, changes, from_least: 0.0, to_most: 0.0 }
+    }
+
+    /// A ray starts on (or in) a part of the cell.
+    #[inline(always)]
+    fn start(&mut self, ray: usize, part: u32) {
+        self.from[ray] = part;
+        self.starting |= u32::from(part != NONE) << ray;
+    }
+
+    /// One of the rays by itself.
+    #[inline(always)]
+    fn passage(&self, ray: usize) -> Passage {
+        let Way { state, called, trail, position, levels, unit } = self.way;
+        let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
+        let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
+        let boxes = self.rays.boxes.ray(ray);
+        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit }
+    }
+
+    /// Finds where on each ray nothing more is of interest.
+    #[inline(always)]
+    fn renew(&mut self, kernel: K, ask: &PacketAsk) {
+        let lanes = kernel.lanes();
+        let [low, high] = &self.rays.local;
+        let low = above_single(low.own(Wide::new(lanes, ask.best[0])));
+        let high = above_single(high.own(Wide::new(lanes, ask.best[1])));
+        self.rays.to = kernel.narrow(low.value, high.value);
+        self.to_most = most(kernel, self.rays.to);
+        self.changes = ask.changes;
+    }
+}
+
+/// Which of sixteen numbers are below another.
+#[inline(always)]
+fn below<K: Kernel>(kernel: K, [low, high]: Halves<Wide<K::Lanes>>, most: f64) -> u32 {
+    let most = Wide::splat(kernel.lanes(), most);
+    kernel.bits(low.lt(most).value) | kernel.bits(high.lt(most).value) << EIGHT
+}
+
+/// As [`f32_below`](super::traverse::f32_below) of each lane.
+#[inline(always)]
+fn below_single<S: Simd>(x: Wide<S>) -> Wide<S> {
+    x - x.abs() * x.all(SINGLE) - x.all(f64::from(f32::MIN_POSITIVE))
+}
+
+/// As [`f32_above`](super::traverse::f32_above) of each lane.
+#[inline(always)]
+fn above_single<S: Simd>(x: Wide<S>) -> Wide<S> {
+    x + x.abs() * x.all(SINGLE) + x.all(f64::from(f32::MIN_POSITIVE))
+}
+
+/// The greatest of sixteen numbers; infinite if one of them is none.
+#[inline(always)]
+fn most<K: Kernel>(kernel: K, numbers: f32x16) -> f32 {
+    let lanes = kernel.lanes();
+    let all = kernel.bits16(lanes.equal_f32s(numbers, numbers)) == 0xffff;
+    if all { lanes.reduce_max_f32s(numbers) } else { f32::INFINITY }
+}

@@ -103,6 +103,9 @@ pub struct Render {
     /// Rays a pixel to begin with; 1 is one ray through its centre, more makes edges smooth
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES), help_heading = "Picture")]
     pub samples: Option<u32>,
+    /// Show how many cells the ray through each pixel goes through, from black for none to white for the most
+    #[arg(long, help_heading = "Picture", conflicts_with = "samples")]
+    pub heatmap: bool,
     /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end, if it has one
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
     pub detail: f64,

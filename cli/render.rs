@@ -58,7 +58,7 @@ pub fn render(arguments: Render, console: Console) -> Result<(), Failure> {
 
     // Both are written before either gets its name, so that whatever fails leaves all as it was.
     let is_file = place.is_file();
-    let size = (made.picture.crop.width, made.picture.crop.height);
+    let (size, most_work) = ((made.picture.crop.width, made.picture.crop.height), made.picture.most_work);
     let stats = stats_place.map(|it| it.stage(&progress, |out| write_stats(&made.stats, out))).transpose()?;
     let picture = place.stage(&progress, |out| format.write(&made, out))?;
     drop(made);
@@ -67,7 +67,8 @@ pub fn render(arguments: Render, console: Console) -> Result<(), Failure> {
     }
     if is_file {
         let seconds = start.elapsed().as_secs_f64();
-        console.tell(&format!("{}: {} x {} pixels in {seconds:.2} s", shown(&output), size.0, size.1));
+        let white = most_work.map_or(String::new(), |it| format!(", white is {it} cells a ray"));
+        console.tell(&format!("{}: {} x {} pixels in {seconds:.2} s{white}", shown(&output), size.0, size.1));
     }
     Ok(())
 }
@@ -225,6 +226,7 @@ fn options(arguments: &Render, program: &Understood, format: Format) -> Result<R
         layers: format == Format::Exr,
         tile: arguments.tile.unwrap_or(defaults.tile),
         detail: arguments.detail,
+        heatmap: arguments.heatmap,
     })
 }
 
@@ -242,6 +244,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
         ("Size".to_owned(), format!("{}x{}", picture.width, picture.height)),
         ("Samples".to_owned(), arguments.samples.unwrap_or(program.scene.image.samples).to_string()),
     ];
+    if let Some(most) = picture.most_work {
+        text.push(("Heatmap".to_owned(), format!("white is {most} cells a ray")));
+    }
     if arguments.detail != RenderOptions::default().detail {
         text.push(("Detail".to_owned(), arguments.detail.to_string()));
     }

@@ -232,6 +232,21 @@ fn adaptive_sampling_comes_near_to_many_samples_everywhere() {
 }
 
 #[test]
+fn a_heatmap_is_white_where_most_work_is_and_black_where_there_is_none() {
+    let (scene, _) = still_life();
+    let tracer = Spheres { spheres: vec![sphere([0.0, 0.0, 0.7], 0.5)], ..Spheres::default() };
+    let options = RenderOptions { heatmap: true, ..RenderOptions::default() };
+    let heat = render(&scene, &tracer, &options, &()).unwrap();
+    assert_eq!(heat.most_work, Some(1));
+    let white = heat.color.iter().filter(|it| it[0] > 0.9 && it[1] > 0.9).count();
+    let black = heat.color.iter().filter(|it| it[..3].iter().all(|it| *it < 0.01)).count();
+    assert_eq!(white + black, heat.color.len());
+    let hits = picture(&scene, &tracer);
+    assert_eq!(hits.most_work, None);
+    assert!(white > 20 && black > white, "{white} white, {black} black");
+}
+
+#[test]
 fn the_same_solid_has_one_color_and_others_have_others() {
     let (mut scene, _) = still_life();
     scene.suns.clear();

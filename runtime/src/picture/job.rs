@@ -7,6 +7,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::camera::Rays;
+use super::heat;
 use super::light::Lights;
 use super::pixel::{Hit, Pixel};
 use super::sampling::filter_offset;
@@ -33,7 +34,11 @@ pub(super) fn render(
     let job = Job::new(setting, blank(view, scene));
     // Each of these takes tile after tile, so that buffers are made once a thread.
     (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());
-    job.finish()
+    let mut picture = job.finish()?;
+    if view.heatmap {
+        heat::color(&mut picture);
+    }
+    Ok(picture)
 }
 
 /// A picture on which nothing is seen yet.
@@ -53,6 +58,7 @@ fn blank(view: &View, scene: &Scene) -> Picture {
         color: vec![[0.0; 4]; pixels],
         layers,
         rays: RayCounts::default(),
+        most_work: None,
     }
 }
 

@@ -9,6 +9,7 @@ pub(crate) mod camera;
 mod color;
 mod exr_header;
 mod framing;
+mod heat;
 mod job;
 pub(crate) mod light;
 mod pixel;
@@ -55,13 +56,16 @@ pub struct RenderOptions {
     pub layers: bool,
     /// How many pixels a tile is wide and high. It affects the time, never the picture.
     pub tile: u32,
+    /// Whether the picture shows how much work each pixel makes ([`Tracer::work`]), along the ray through its centre, instead of
+    /// what is seen there: from black for none over red and yellow to white for the most, which [`Picture::most_work`] tells.
+    pub heatmap: bool,
     /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end.
     pub detail: f64,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { size: None, crop: None, samples: None, layers: false, tile: 16, detail: 1.0 }
+        Self { size: None, crop: None, samples: None, layers: false, tile: 16, heatmap: false, detail: 1.0 }
     }
 }
 
@@ -98,6 +102,8 @@ pub struct Picture {
     pub layers: Option<Layers>,
     /// How many rays it took.
     pub rays: RayCounts,
+    /// The most work that a pixel made, in a picture that shows that.
+    pub most_work: Option<u32>,
 }
 
 /// What compositors and tests ask of a picture besides its colours, row by row.

@@ -48,6 +48,7 @@ pub(super) struct Painter<'a> {
     keys: Vec<Key>,
     beams: Vec<Beam>,
     seen: Seen,
+    work: Vec<u32>,
     scratch: Scratch,
     camera_count: u64,
 }
@@ -64,6 +65,7 @@ impl<'a> Painter<'a> {
             keys: Vec::new(),
             beams: Vec::new(),
             seen: Seen::default(),
+            work: Vec::new(),
             scratch: Scratch::default(),
             camera_count: 0,
         }
@@ -180,6 +182,9 @@ impl<'a> Painter<'a> {
         if self.keys.is_empty() {
             return Ok(());
         }
+        if setting.view.heatmap {
+            return self.flush_work();
+        }
         self.look()?;
         if setting.view.layers && setting.view.samples == 1 {
             self.keep_centres();
@@ -198,11 +203,28 @@ impl<'a> Painter<'a> {
         Ok(())
     }
 
-    fn look(&mut self) -> Result<(), Stop> {
+    /// Finds how much work the beams make. It stands for the colour until the most of it is known.
+    fn flush_work(&mut self) -> Result<(), Stop> {
+        self.count()?;
+        self.setting.tracer.work(&self.beams, &mut self.work).map_err(|fault| self.stop(fault))?;
+        for (key, work) in self.keys.iter().zip(&self.work) {
+            self.pixels[key.slot as usize].add([*work as f32, 0.0, 0.0, 1.0]);
+        }
+        self.begin_batch();
+        Ok(())
+    }
+
+    /// Counts the beams that are about to be traced.
+    fn count(&mut self) -> Result<(), Stop> {
         if self.setting.watch.interrupted() {
             return Err(Stop::Interrupted);
         }
         self.camera_count += self.beams.len() as u64;
+        Ok(())
+    }
+
+    fn look(&mut self) -> Result<(), Stop> {
+        self.count()?;
         self.setting.tracer.look(&self.beams, &mut self.seen).map_err(|fault| self.stop(fault))
     }
 

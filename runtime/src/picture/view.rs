@@ -22,6 +22,7 @@ pub(super) struct View {
     pub(super) layers: bool,
     pub(super) tile: u32,
     pub(super) detail: f64,
+    pub(super) heatmap: bool,
 }
 
 impl View {
@@ -42,10 +43,11 @@ impl View {
             width,
             height,
             crop: crop(options.crop, width, height)?,
-            samples,
-            most,
-            layers: options.layers,
+            samples: if options.heatmap { 1 } else { samples },
+            most: if options.heatmap { 1 } else { most },
+            layers: options.layers && !options.heatmap,
             tile: options.tile.clamp(1, 256),
+            heatmap: options.heatmap,
             detail: if options.detail > 0.0 { options.detail } else { 0.0 },
         })
     }

@@ -204,6 +204,13 @@ pub trait Tracer: Sync {
     /// The fault of the lowest beam that meets one.
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault>;
 
+    /// How much work each of the beams makes, one by one: the cells (for the walker by the book: the S-nodes) that it goes
+    /// through. `work` is cleared, then holds one answer a beam.
+    ///
+    /// # Errors
+    /// The fault of the lowest beam that meets one.
+    fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault>;
+
     /// A box around all that is finite in the scene; empty when nothing is.
     ///
     /// # Errors

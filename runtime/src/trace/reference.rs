@@ -32,7 +32,7 @@ impl<'s> Reference<'s> {
     }
 
     /// Everything on a line: t from -inf to inf.
-    fn walk(&self, ray: &Ray, from: Option<&Site>) -> Result<(Line, Vec<Surface>), Fault> {
+    fn walk(&self, ray: &Ray, from: Option<&Site>) -> Result<Walked, Fault> {
         let graph = &self.scene.graph;
         let mut walk = Walk {
             graph,
@@ -40,6 +40,7 @@ impl<'s> Reference<'s> {
             limits: &self.limits,
             from,
             surfaces: Vec::new(),
+            selected: 0,
         };
         let env = walk.machine.root(graph)?;
         let here = Here {
@@ -53,11 +54,11 @@ impl<'s> Reference<'s> {
             depth: 0,
         };
         let line = walk.pass(graph.system(graph.root()).start, here)?;
-        Ok((line, walk.surfaces))
+        Ok(Walked { line, surfaces: walk.surfaces, selected: walk.selected })
     }
 
     fn see(&self, ray: &Ray, from: Option<&Site>) -> Result<Option<Fragment>, Fault> {
-        let (line, surfaces) = self.walk(ray, from)?;
+        let Walked { line, surfaces, .. } = self.walk(ray, from)?;
         let first = line.first_after_start();
         Ok(first.map(|(t, surface, flipped)| surfaces[surface as usize].fragment(ray, t, flipped)))
     }
@@ -90,8 +91,17 @@ impl Tracer for Reference<'_> {
         light.clear();
         for (number, it) in beams.iter().enumerate() {
             let walked = self.walk(&it.beam.ray, Some(&it.from));
-            let (line, _) = walked.map_err(|fault| RayFault { ray: number, fault })?;
+            let Walked { line, .. } = walked.map_err(|fault| RayFault { ray: number, fault })?;
             light.push(if line.first_after_start().is_some() { 0.0 } else { 1.0 });
+        }
+        Ok(())
+    }
+
+    fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
+        work.clear();
+        for (number, beam) in beams.iter().enumerate() {
+            let walked = self.walk(&beam.ray, None).map_err(|fault| RayFault { ray: number, fault })?;
+            work.push(walked.selected);
         }
         Ok(())
     }
@@ -100,6 +110,14 @@ impl Tracer for Reference<'_> {
         // What a box is does not depend on how rays are traced, and going through every copy by the book would take for ever.
         super::cells::finite_bounds(self.scene, &self.limits)
     }
+}
+
+/// What a line meets in a scene.
+struct Walked {
+    line: Line,
+    surfaces: Vec<Surface>,
+    /// How many S-nodes it went through.
+    selected: u32,
 }
 
 /// What a line meets below a node.
@@ -213,6 +231,7 @@ struct Walk<'w, 's> {
     /// The surface that the ray starts on.
     from: Option<&'w Site>,
     surfaces: Vec<Surface>,
+    selected: u32,
 }
 
 impl Walk<'_, '_> {
@@ -319,6 +338,7 @@ impl Walk<'_, '_> {
     }
 
     fn select(&mut self, select: &Select, mut here: Here) -> Result<Line, Fault> {
+        self.selected += 1;
         let chosen = self.machine.choose(self.graph, select, &mut here.env)?;
         here.step(expand::CHOICE ^ chosen as u64);
         self.pass(select.rules[chosen].body, here)

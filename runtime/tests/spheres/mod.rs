@@ -129,6 +129,12 @@ impl Tracer for Spheres {
         Ok(())
     }
 
+    fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
+        work.clear();
+        work.extend(beams.iter().map(|it| u32::from(self.nearest(&it.ray, None).is_some())));
+        Ok(())
+    }
+
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
         let blocked = |it: &SurfaceBeam| self.nearest(&it.beam.ray, it.from.path.first().copied()).is_some();

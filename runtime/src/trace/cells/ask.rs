@@ -222,6 +222,8 @@ pub(super) struct Ask<'q> {
     pub(super) loss: Loss,
     pub(super) notes: &'q mut Notes,
     pub(super) steps: u64,
+    /// Cells that the ray has gone through.
+    pub(super) cells: u32,
     /// Searches inside one another to here.
     pub(super) nested: u32,
     /// The states that are being measured, if this is a ray that measures.
@@ -241,6 +243,7 @@ impl<'q> Ask<'q> {
             loss: Loss::default(),
             notes,
             steps: 0,
+            cells: 0,
             nested: 0,
             measuring: None,
         }

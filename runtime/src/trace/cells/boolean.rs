@@ -184,6 +184,7 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
 
     /// The pieces inside a whole cell.
     fn whole(&mut self, place: &Place, called: Origin, range: Range, tolerance: f64) -> Result<Line, Fault> {
+        self.ask.cells += 1;
         self.tracing.check_depth(place.levels + place.cell.levels, called)?;
         let (tracing, generation) = (self.tracing, self.generation);
         deeper(self.ask, |ask| Pieces { tracing, generation, ask }.union(place, 0, range, tolerance))

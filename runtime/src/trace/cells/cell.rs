@@ -137,7 +137,7 @@ impl Default for Cell {
 
 impl Cell {
     /// The way into the instance that a part is, and its state; none if the part is no instance.
-    pub(super) fn into_part(&self, part: u32) -> Option<(&Inwards, u32)> {
+    pub(super) fn way_into(&self, part: u32) -> Option<(&Inwards, u32)> {
         let Named::Instance(number) = self.parts.get(part as usize)?.member.named() else {
             return None;
         };

@@ -110,6 +110,12 @@ impl Tracer for CellTracer<'_> {
         dispatch(Light { tracer: self, beams, light })
     }
 
+    fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
+        work.clear();
+        work.reserve(beams.len());
+        dispatch(Work { tracer: self, beams, work })
+    }
+
     fn finite_bounds(&self) -> Result<Aabb, Fault> {
         self.store.finite_bounds(self.root)
     }
@@ -195,6 +201,27 @@ impl Task for Light<'_, '_> {
     }
 }
 
+struct Work<'a, 's> {
+    tracer: &'a CellTracer<'s>,
+    beams: &'a [Beam],
+    work: &'a mut Vec<u32>,
+}
+
+impl Task for Work<'_, '_> {
+    type Output = Result<(), RayFault>;
+
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+        let Self { tracer, beams, work } = self;
+        for (number, beam) in beams.iter().enumerate() {
+            let generation = tracer.store.generation();
+            let mut caster = Caster::new(tracer, kernel, &generation);
+            let cells = caster.cells(beam).map_err(|fault| RayFault { ray: number, fault })?;
+            work.push(cells);
+        }
+        Ok(())
+    }
+}
+
 /// Casts rays, packet after packet, through one generation of cells.
 struct Caster<'a, 's, 'g, K: Kernel> {
     tracer: &'a CellTracer<'s>,
@@ -262,6 +289,16 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             return self.look_out(beam, from, seen);
         }
         self.see(&Hit { ray: &beam.ray, number: 0, depth, found }, seen)
+    }
+
+    /// How many cells a beam goes through.
+    fn cells(&mut self, beam: &Beam) -> Result<u32, Fault> {
+        let mut notes = self.new_notes();
+        let mut ask = Ask::new(Question::Nearest, None, Girth::of(beam), &mut notes);
+        let asked = self.ask_alone(&mut ask, &beam.ray);
+        let cells = ask.cells;
+        self.notes = notes;
+        asked.map(|()| cells)
     }
 
     /// What a ray saw.

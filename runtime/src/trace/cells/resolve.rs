@@ -230,7 +230,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 (Some(Held::Root), Root::Cell(cell)) => cell,
                 _ => break,
             };
-            let Some((way, state)) = here.into_part(number & !ENDED) else {
+            let Some((way, state)) = here.way_into(number & !ENDED) else {
                 break;
             };
             local = local.entered(way).0;
@@ -294,7 +294,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             let material = part.material.or(place.material);
             let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
             if let Held::Kept(cell) = place.cell {
-                place.ways.extend(cell.into_part(number).map(|it| it.0));
+                place.ways.extend(cell.way_into(number).map(|it| it.0));
             }
             (place.material, place.route, place.frozen) = (material, route, frozen);
             place.cell_from_world = cell_from_world;

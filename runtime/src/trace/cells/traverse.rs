@@ -202,7 +202,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
 
     /// Goes into a cell.
     #[inline(always)]
-    fn enter(&mut self, ask: &Ask, start: Start<'g>) -> Result<Option<Ahead>, Stop> {
+    fn enter(&mut self, ask: &mut Ask, start: Start<'g>) -> Result<Option<Ahead>, Stop> {
+        ask.cells += 1;
         let Start { cell, passage: Passage { ray, levels, called, .. } } = start;
         let frame = self.scratch.depth as u32;
         self.push_frame(start);

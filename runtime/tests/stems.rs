@@ -207,9 +207,9 @@ fn where_two_segments_are_cut_they_meet_without_a_lip() {
                 let far = |piece: &Piece| piece.part.primitive.chords(&ray.mapped(&piece.part_from_stem), None);
                 let (before, after) = (far(own[joint - 1]), far(own[joint]));
                 let lip = (before[0].far.t - after[0].far.t).abs();
-                // Far from the origin places are 2^-33 apart, whatever the radius.
-                let digits = 1e-9 * radius + 4e-15 * offset;
-                assert!(lip <= digits, "{lip} of {radius} at {offset}: {kind:?}");
+                // Places far from the origin are far apart (2^-33 at 2^20), whatever the radius.
+                let digits = 1e-9 * radius + 4e-15 * centre.abs().max_element();
+                assert!(lip <= digits, "{lip} of {radius} at {centre}: {kind:?}");
                 assert!(lip <= 1e-6 * radius || radius < 1e-2, "{lip} of {radius} at {offset}: {kind:?}");
             }
         }
@@ -264,10 +264,13 @@ fn the_ends_of_a_stem_have_the_radii_that_they_were_given() {
     assert!((across(points[2] - axis * 1e-9, DVec3::Y) - 0.1).abs() < 1e-8);
 }
 
+/// A stem: what it is like, its points, and its radii.
+type Case = (&'static str, Vec<DVec3>, Vec<[f64; 2]>);
+
 #[test]
 fn hard_stems_are_closed_too() {
     let (x, z) = (DVec3::X, DVec3::Z);
-    let cases: Vec<(&str, Vec<DVec3>, Vec<[f64; 2]>)> = vec![
+    let cases: [Case; 13] = [
         ("straight back", vec![DVec3::ZERO, z, DVec3::ZERO], vec![[0.2, 0.1]; 2]),
         ("straight back over itself", vec![DVec3::ZERO, z, z * 0.25, z * 3.0], vec![[0.2, 0.2]; 3]),
         ("a corner", vec![DVec3::ZERO, z, z + x], vec![[0.2, 0.2]; 2]),

@@ -285,9 +285,9 @@ mod tests {
             for _ in 0..if kind > 2 { 0 } else { writer.pick(3) } {
                 let result = writer.register();
                 if writer.pick(3) == 0 {
-                    writer.truth(result, 2)
+                    writer.truth(result, 2);
                 } else {
-                    writer.number(result, 2)
+                    writer.number(result, 2);
                 }
                 writer.code.results.push(result);
             }

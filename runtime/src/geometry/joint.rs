@@ -77,6 +77,8 @@ const SAME_RADIUS: f64 = 1e-6;
 /// How far the parts of a joint overlap, so that no rounding leaves a gap between them: as a part of the radius, and of where the
 /// joint is.
 const OVERLAP: [f64; 2] = [1e-10, 8e-16];
+/// How much a cut may lean and still be taken as square to the axis: a part of [`OVERLAP`].
+const LEAST_LEAN: f64 = 1e-12;
 /// How steep a nappe may be; what is steeper is a disk.
 const MOST_SLOPE: f64 = 1e8;
 
@@ -233,9 +235,7 @@ impl Link {
         let size = power_of_two_below(self.length.max(start).max(end))?;
         let [(below, below_offset), (above, above_offset)] = [0, 1].map(|it| self.cut(joints[it], it));
         // The cut below rises with x and crosses the axis at the origin.
-        let leaning = below - z * z.dot(below);
-        let steep = leaning.length();
-        let x = if steep > 0.0 { leaning / steep } else { across };
+        let x = rising(below, z).unwrap_or(across);
         let axes = DMat3::from_cols(x, z.cross(x), z);
         let low = below_offset / below.dot(z);
         let high = self.length + above_offset / above.dot(z);
@@ -244,7 +244,7 @@ impl Link {
         let numbers = [
             (start + slope * low) / size,
             slope,
-            steep / -below.dot(z),
+            below.dot(x) / -below.dot(z),
             (high - low) / size,
             -above.dot(axes.x_axis) / upwards,
             -above.dot(axes.y_axis) / upwards,
@@ -275,4 +275,12 @@ impl Link {
             origin,
         })
     }
+}
+
+/// The direction square to an axis in which a cut rises most; `None` for one so nearly square to the axis that rounding would decide.
+fn rising(normal: DVec3, axis: DVec3) -> Option<DVec3> {
+    let leaning = normal - axis * axis.dot(normal);
+    let direction = (leaning.length() > LEAST_LEAN).then(|| leaning.normalize())?;
+    // What rounding left along the axis was small against the normal, not against the lean.
+    Some((direction - axis * axis.dot(direction)).normalize())
 }

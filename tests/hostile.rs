@@ -209,13 +209,13 @@ fn walks_end_in_a_picture_or_in_a_message() {
     let step = "segment(.1, .05, .05)";
     assert_outcomes(&[
         // Without an end.
-        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0921"),
-        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0921"),
-        ("shape S { start a; a -> a a; }", "E0922"),
-        ("shape S { start a; a -> repeat 1e6 { segment(1,.1,.1) } a; }", "E0923"),
-        ("shape S { start a; a -> repeat 1e6 { rotz(1) } a; }", "E0924"),
+        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a -> a a; }", "E0923"),
+        ("shape S { start a; a -> repeat 1e6 { segment(1,.1,.1) } a; }", "E0924"),
+        ("shape S { start a; a -> repeat 1e6 { rotz(1) } a; }", "E0925"),
         ("shape S { start a; a -> repeat 1e4 { repeat 1e4 { nothing } } a; }", "E0914"),
-        ("shape S { start a; a -> b; b -> a; }", "E0921"),
+        ("shape S { start a; a -> b; b -> a; }", "E0922"),
         ("shape S { start a; a if 1 > 2 -> a; }", "fine"),
         ("shape S { start nothing; }", "fine"),
         // Priorities.

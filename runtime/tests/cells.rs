@@ -175,8 +175,8 @@ fn chain(order: f64, offset: f64, factor: f64, primitive: PrimitiveKind) -> Scen
 
 #[test]
 fn depth_costs_no_stack() {
-    // 128 KiB would not hold ten thousand calls inside one another.
-    let thread = thread::Builder::new().stack_size(128 << 10).spawn(|| {
+    // 512 KiB would not hold ten thousand calls inside one another.
+    let thread = thread::Builder::new().stack_size(512 << 10).spawn(|| {
         let scene = chain(9_990.0, 3.0, 1.0, PrimitiveKind::Sphere);
         let chain = tracer(&scene, &Limits::default(), Culling::State);
         let ray = |z| Ray { origin: DVec3::new(5.0, 0.0, z), direction: DVec3::NEG_X };

@@ -203,7 +203,8 @@ fn the_solid_that_a_program_gives_stands_where_recursion_ends() {
     let go = b.union(&corners);
     b.module(white, go);
     b.selects[0].proxy = Some(red);
-    let start = b.call(0, common::numbers(&[6.0]));
+    // So many levels that no corner small enough to be merged into the scene's cell is.
+    let start = b.call(0, common::numbers(&[9.0]));
     let mut scene = b.scene(start);
     scene.materials = vec![Default::default(); 2];
     let tracer = tracer(&scene, &Limits::default(), Culling::State);

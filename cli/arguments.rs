@@ -27,7 +27,7 @@ Examples:
   treegen - -o - < sierpinski.tg | display           from a pipe into a pipe
   treegen check sierpinski.tg                        only look for mistakes
   treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
-  treegen inspect elm.tg --derivation --until 20     the first rules that were applied to a plant, and their values
+  treegen inspect elm.tg --derivation                the rules that made a plant, one inside the other
 
 Exit codes:
   0  done: the picture is written whole
@@ -63,7 +63,7 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE --expand|--form segments|--derivation";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]

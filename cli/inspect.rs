@@ -88,12 +88,11 @@ pub fn inspect(arguments: Inspect, console: Console) -> Result<(), Failure> {
     }
 }
 
+/// What is to be told of a shape.
+type Text = fn(&Understood, &Derivable, &Limits, Console) -> Result<Vec<u8>, Failure>;
+
 /// Derives a shape, and writes what is to be told of it.
-fn show(
-    arguments: Inspect,
-    console: Console,
-    text: fn(&Understood, &Derivable, &Limits, Console) -> Result<Vec<u8>, Failure>,
-) -> Result<(), Failure> {
+fn show(arguments: Inspect, console: Console, text: Text) -> Result<(), Failure> {
     let progress = Progress::listen()?;
     let place = Place::find(&arguments.output)?;
     let Inspect { file, program, system, until, .. } = arguments;

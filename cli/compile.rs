@@ -43,6 +43,14 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
 }
 
 impl Understood {
+    /// The same program, whose shapes stop after so many rules, if a number is given.
+    pub fn stopping_after(mut self, rules: Option<u64>) -> Self {
+        if let Some(rules) = rules {
+            self.scene.graph = self.scene.graph.stopping_after(rules);
+        }
+        self
+    }
+
     /// A fault in words.
     pub fn failure(&self, fault: &Fault, console: Console) -> Failure {
         if fault.kind == FaultKind::Interrupted {

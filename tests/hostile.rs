@@ -205,6 +205,63 @@ fn what_grows_meets_its_limit_before_the_memory_is_taken() {
 }
 
 #[test]
+fn walks_end_in_a_picture_or_in_a_message() {
+    let step = "segment(.1, .05, .05)";
+    assert_outcomes(&[
+        // Without an end.
+        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a -> a a; }", "E0923"),
+        ("shape S { start a; a -> repeat 1e6 { segment(1,.1,.1) } a; }", "E0924"),
+        ("shape S { start a; a -> repeat 1e6 { rotz(1) } a; }", "E0925"),
+        ("shape S { start a; a -> repeat 1e4 { repeat 1e4 { nothing } } a; }", "E0914"),
+        ("shape S { start a; a -> b; b -> a; }", "E0922"),
+        ("shape S { start a; a if 1 > 2 -> a; }", "fine"),
+        ("shape S { start nothing; }", "fine"),
+        // Priorities.
+        (
+            "shape S { start a; priority 2147483647 { a -> segment(1,.1,.1) b; } priority -2147483647 { b -> nothing; } }",
+            "fine",
+        ),
+        ("shape S { start a; priority 2147483648 { a -> nothing; } }", "E0516"),
+        ("shape S { start a; priority .5 { a -> nothing; } }", "E0516"),
+        // Brackets and frames.
+        ("shape S { start <200: [>segment(1,.1,.1)<200: ]>; }", "fine"),
+        ("shape S { start <100000: [>", "E0903"),
+        ("shape S { start a; a -> [ segment(1,.1,.1); b -> ] segment(1,.1,.1); }", "E0114"),
+        ("shape S { start repeat 400 { uscale(10) } segment(1,.1,.1); }", "E1015"),
+        ("shape S { start repeat 400 { uscale(.1) } segment(1,.1,.1); }", "E1015"),
+        ("shape S { start move(1e308,0,0) move(1e308,0,0) segment(1,.1,.1); }", "E1015"),
+        // Lengths and radii.
+        ("shape S { start segment(0, 1, 1) segment(1, 0, 0) segment(1, .1, .1); }", "fine"),
+        ("shape S { start segment(-1, 1, 1); }", "E1013"),
+        ("shape S { start segment(1, -1, 1); }", "E1013"),
+        ("shape S { start segment(inf, 1, 1); }", "E1013"),
+        ("shape S { start segment(1e-300, 1, 1) segment(1, .1, .1); }", "fine"),
+        ("shape S { start segment(1e-300, 1e-300, 1e-300); }", "fine"),
+        ("shape S { start segment(1e300, 1, 1); }", "fine"),
+        ("shape S { start segment(1, 1e9, 1e9); }", "fine"),
+        ("shape S { start segment(1, 0, .1) segment(1, .1, 0) segment(1, .1, .1); }", "fine"),
+        ("shape S { start segment(1, 1e-300, 1e300); }", "fine"),
+        ("shape S { start toward((0,0,0), 1) segment(1,.1,.1); }", "E1014"),
+        ("shape S { start toward((0,0,1), -1) segment(1,.1,.1); }", "E1014"),
+        // Bends and long stems.
+        (&format!("shape S {{ start repeat 200 {{ {step} rotx(180) }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 200 {{ {step} rotx(179.999) rotz(1e-9) }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 100 {{ [ repeat 5 {{ {step} }} ] }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 30000 as i {{ {step} rotx(2) rotz(i / 100) }}; }}"), "fine"),
+        ("shape S { start variant(0) segment(1,.1,.1); }", "E1008"),
+        // A walk is no expression, and an expression no walk.
+        ("shape S { start a | a; a -> nothing; }", "E0510"),
+        ("shape S { start (a); a -> nothing; }", "E0510"),
+        ("shape S { start uscale(.5) (sphere | a); a -> nothing; }", "E0510"),
+        ("csg S { start segment(1, 1, 1); }", "E0508"),
+        ("shape S { start mesh(\"stone.obj\"); }", "E0701"),
+        ("shape S { start S2; } csg S2 { start box; }", "E0407"),
+    ]);
+}
+
+#[test]
 fn long_texts_are_read_in_linear_time() {
     assert_outcomes(&[
         ("let a = 1<100000: +1>; csg S { start uscale(a/1e5) box; }", "fine"),

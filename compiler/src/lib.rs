@@ -32,7 +32,7 @@ pub use sources::{Source, Sources};
 pub use treegen_grammar::{FileId, Span};
 pub use vocabulary::Vocabulary;
 
-use treegen_runtime::form::Scene;
+use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::{Fault, Limits};
 
 use lower::code::Values;
@@ -101,4 +101,9 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
 /// A fault that was met while a program ran, in words.
 pub fn problem_of_fault(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     words::fault::problem(fault, vocabulary)
+}
+
+/// A value as a program would write it; long lists and texts are cut.
+pub fn value_in_words(value: &Value, vocabulary: &Vocabulary) -> String {
+    words::constants::value(value, vocabulary)
 }

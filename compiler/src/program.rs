@@ -359,7 +359,7 @@ pub(crate) struct Later {
 #[derive(Debug)]
 pub(crate) enum Stride {
     Prefix(Prefix),
-    Word(WalkWord, Vec<Expr>),
+    Word(WalkWord, Vec<Expr>, Span),
     Solid(Solid),
     Bracket(Solid),
 }

@@ -34,6 +34,7 @@ fn shape(graph: &Graph, id: NodeId) -> String {
         Node::Difference(first, ids) => format!("{} \\ {}", shape(graph, *first), all(ids, " \\ ")),
         Node::Call(call) => graph.select(call.select).module.clone(),
         Node::System(call) => format!("{}()", graph.system(call.system).name),
+        Node::Shape(shape) => format!("shape of {}", graph.system(graph.shape(*shape).system).name),
     }
 }
 

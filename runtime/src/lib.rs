@@ -6,6 +6,7 @@
 // A fault ends the run that met it; only then is its size paid for.
 #![allow(clippy::result_large_err)]
 
+pub mod derive;
 pub mod eval;
 pub mod export;
 pub mod fault;

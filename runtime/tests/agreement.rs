@@ -134,7 +134,7 @@ fn a_sierpinski_tetrahedron_looks_the_same_at_its_corner_however_near() {
     let depths = |nearer: i32| -> Vec<u64> {
         let scene = common::sierpinski(f64::from(order + nearer));
         let cells = CellTracer::new(&scene, &Limits::default(), Culling::State).expect("no fault");
-        let size = libm::exp2(-f64::from(nearer));
+        let size = libm::ldexp(1.0, -nearer);
         let zoomed = |it: f64| 1.0 + (it - 1.0) * size;
         let ray = |(x, y): &(f64, f64)| from_above(zoomed(*x), zoomed(*y)).origin.with_z(zoomed(3.0));
         let rays: Vec<Ray> = places.iter().map(|it| Ray { origin: ray(it), direction: DVec3::NEG_Z }).collect();

@@ -71,13 +71,8 @@ fn head(span: Span) -> Span {
 /// Says of a system that is shown what in it cannot be drawn yet.
 fn system(program: &Program, id: SystemId, modules: &[&Module], problems: &mut Vec<Problem>) {
     let system = &program.systems[id.index()];
-    let kind = match system.kind {
-        SystemKind::Csg => "",
-        SystemKind::Shape => "`shape` systems are",
-        SystemKind::Hull => "`hull` systems are",
-    };
-    if !kind.is_empty() {
-        problems.push(words::systems::not_yet(kind, system.name_span));
+    if system.kind == SystemKind::Hull {
+        problems.push(words::systems::not_yet("`hull` systems are", system.name_span));
         return;
     }
     let mut found = Vec::new();

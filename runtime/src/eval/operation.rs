@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::{angle, noise, random};
 use crate::fault::{Fault, FaultKind};
@@ -93,7 +94,7 @@ pub(super) fn binary(op: BinaryOp, a: &Value, b: &Value) -> Result<Value, Failur
 }
 
 /// `a % b` with the sign of b.
-fn remainder(a: f64, b: f64) -> f64 {
+pub(super) fn remainder(a: f64, b: f64) -> f64 {
     let rest = a % b;
     if rest != 0.0 && (rest < 0.0) != (b < 0.0) { rest + b } else { rest }
 }
@@ -155,7 +156,7 @@ fn divide(a: &Value, b: &Value) -> Result<Value, Failure> {
 
 /// `(a, b, ...)`
 pub(super) fn vector(parts: &[Value]) -> Result<Value, Failure> {
-    let numbers: Option<Vec<f64>> =
+    let numbers: Option<SmallVec<[f64; 4]>> =
         parts.iter().map(|it| if let Value::Number(it) = it { Some(*it) } else { None }).collect();
     numbers.and_then(|it| Vector::new(&it)).map(Value::Vector).ok_or_else(|| Failure::types("( , )", parts))
 }

@@ -6,12 +6,13 @@
 
 use glam::DAffine3;
 
-use super::Route;
 use super::liveness::{Live, Liveness};
+use super::{Route, shapes};
+use crate::derive::Placed;
 use crate::eval::{Env, Machine, Path, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, SystemId, Value};
-use crate::geometry::Primitive;
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, ShapeId, SystemId, Value};
+use crate::geometry::{Part, Primitive};
 use crate::limits::Limits;
 
 /// Where a derivation stands: two states that are equal stand for the same solid.
@@ -98,6 +99,11 @@ impl<'s> Expander<'s> {
         }
     }
 
+    /// Whether a material's look depends on the frame in which its paint stands.
+    fn is_in_place(&self, material: MaterialId) -> bool {
+        self.in_place.get(material.0 as usize).is_some_and(|it| *it)
+    }
+
     /// The state of the whole scene.
     ///
     /// # Errors
@@ -173,7 +179,7 @@ impl<'s> Expander<'s> {
     }
 
     /// An environment of a state: what is not live is 0.
-    fn env(&self, state: &State) -> Env {
+    pub(super) fn env(&self, state: &State) -> Env {
         let system = match state.entry {
             Entry::Select(id) => self.graph.select(id).system,
             Entry::System(id) => id,
@@ -247,8 +253,7 @@ impl Walk<'_, '_> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
-                    let in_place = self.expander.in_place.get(material.0 as usize).is_some_and(|it| *it);
-                    here.group_from_paint = in_place.then_some(here.group_from_here);
+                    here.group_from_paint = self.expander.is_in_place(*material).then_some(here.group_from_here);
                     node = *body;
                 }
                 Node::Variant { count, body, origin } => {
@@ -302,8 +307,17 @@ impl Walk<'_, '_> {
                     let state = self.expander.state(Entry::System(call.system), &env);
                     return self.put(group, &here, Solid::Instance(state, call.origin), call.origin);
                 }
+                Node::Shape(shape) => return self.derive(group, *shape, &here),
             }
         }
+    }
+
+    /// Adds what a shape derives to to a group. (Apart, since a derivation takes more stack than a step down the graph.)
+    #[inline(never)]
+    fn derive(&mut self, group: &mut Group, shape: ShapeId, here: &Here) -> Result<(), Fault> {
+        let Expander { graph, seed, limits, .. } = self.expander;
+        let mut taker = InGroup { walk: self, group, here };
+        shapes::parts(graph, shape, &here.env, *seed, limits, &mut taker)
     }
 
     fn operands(&mut self, operands: &[NodeId], here: &Here) -> Result<Vec<Group>, Fault> {
@@ -326,6 +340,49 @@ impl Walk<'_, '_> {
         let Here { group_from_here: group_from_item, material, group_from_paint, route, .. } = *here;
         let group_from_paint = group_from_paint.map(Box::new);
         group.items.push(Item { group_from_item, material, group_from_paint, route, solid });
+        Ok(())
+    }
+}
+
+/// Takes the parts of a shape into a group.
+struct InGroup<'w, 'e, 's> {
+    walk: &'w mut Walk<'e, 's>,
+    group: &'w mut Group,
+    here: &'w Here,
+}
+
+impl InGroup<'_, '_, '_> {
+    /// Where the paint of a part stands, if its look depends on that: one that a walk gives stands where the plant does.
+    fn group_from_paint(&self, own: Option<MaterialId>) -> Option<DAffine3> {
+        let Some(own) = own else {
+            return self.here.group_from_paint;
+        };
+        self.walk.expander.is_in_place(own).then_some(self.here.group_from_here)
+    }
+}
+
+impl shapes::Taker for InGroup<'_, '_, '_> {
+    fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
+        let (system_from_frame, route) = shapes::way(&placed);
+        let inner = Here {
+            group_from_here: self.here.group_from_here * system_from_frame,
+            material: placed.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(placed.material),
+            route: self.here.route.then(route),
+            env: placed.env.clone(),
+        };
+        self.walk.add(self.group, placed.solid, inner)
+    }
+
+    fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        // Segments have a limit of their own.
+        self.group.items.push(Item {
+            group_from_item: self.here.group_from_here * part.stem_from_part,
+            material: part.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(part.material).map(Box::new),
+            route: self.here.route.then(route),
+            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
+        });
         Ok(())
     }
 }

@@ -6,12 +6,15 @@
 pub mod cells;
 mod chain;
 mod expand;
+mod find;
 mod liveness;
 pub mod reference;
 mod route;
+pub(crate) mod shapes;
 
 pub(crate) use expand::{CHOICE, COPY, OPERAND};
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
+pub use find::{Derivable, find_shape};
 pub use route::Route;
 
 use smallvec::SmallVec;

@@ -7,14 +7,16 @@
 
 use std::rc::Rc;
 
+use glam::DAffine3;
 use smallvec::SmallVec;
 
 use super::chain::{Chain, Standing};
-use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, expand};
+use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, expand, shapes};
+use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
-use crate::geometry::{Aabb, Intervals, Primitive, Ray};
+use crate::geometry::{Aabb, Intervals, Part, Primitive, Ray};
 use crate::limits::Limits;
 
 /// Traces rays through a scene by the book.
@@ -253,8 +255,7 @@ impl Walk<'_, '_> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
-                    let standing = || Rc::new(Standing { ray: here.ray, chain: Rc::clone(&here.chain) });
-                    here.standing = self.scene.is_painted_in_place(*material).then(standing);
+                    here.standing = self.standing(*material, &here);
                     node = *body;
                 }
                 Node::Variant { count, body, origin } => {
@@ -300,6 +301,12 @@ impl Walk<'_, '_> {
                     let system = graph.system(call.system);
                     let step = TrailStep { name: system.name.clone(), values: Vec::new(), origin: call.origin };
                     return self.deeper(here, step, |walk, here| walk.pass(system.start, here));
+                }
+                Node::Shape(shape) => {
+                    let (seed, limits) = (self.machine.seed(), self.limits);
+                    let mut taker = Parts { walk: self, here: &here, lines: Vec::new() };
+                    shapes::parts(graph, *shape, &here.env, seed, limits, &mut taker)?;
+                    return Ok(union(taker.lines));
                 }
             }
         }
@@ -375,6 +382,12 @@ impl Walk<'_, '_> {
         Ok(line)
     }
 
+    /// Where a paint stands, if its look depends on that.
+    fn standing(&self, material: MaterialId, here: &Here) -> Option<Rc<Standing>> {
+        let standing = || Rc::new(Standing { ray: here.ray, chain: Rc::clone(&here.chain) });
+        self.scene.is_painted_in_place(material).then(standing)
+    }
+
     /// Notes a surface that was met, and gives it a number.
     fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
         self.surfaces.push(Surface {
@@ -388,6 +401,50 @@ impl Walk<'_, '_> {
             site: Site { path: here.site.clone(), face },
         });
         self.surfaces.len() as u32 - 1
+    }
+}
+
+/// Passes the ray to the parts of a shape.
+struct Parts<'p, 'w, 's> {
+    walk: &'p mut Walk<'w, 's>,
+    here: &'p Here,
+    lines: Vec<Line>,
+}
+
+impl Parts<'_, '_, '_> {
+    /// Where the next part is.
+    fn next(&self, system_from_part: &DAffine3, material: Option<MaterialId>, route: Route) -> Here {
+        let mut here = self.here.operand(self.lines.len());
+        let inner_from_outer = system_from_part.inverse();
+        here.ray = here.ray.mapped(&inner_from_outer);
+        here.chain = Rc::new(Chain::Transform { inner_from_outer, outer: Rc::clone(&here.chain) });
+        if let Some(material) = material {
+            // A paint that a walk gives stands where the plant does.
+            here.material = Some(material);
+            here.standing = self.walk.standing(material, self.here);
+        }
+        if !here.frozen {
+            here.route = here.route.then(route);
+        }
+        here
+    }
+}
+
+impl shapes::Taker for Parts<'_, '_, '_> {
+    fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
+        let (system_from_frame, route) = shapes::way(&placed);
+        let mut here = self.next(&system_from_frame, placed.material, route);
+        here.env = placed.env.clone();
+        let line = self.walk.pass(placed.solid, here)?;
+        self.lines.push(line);
+        Ok(())
+    }
+
+    fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        let here = self.next(&part.stem_from_part, part.material, route);
+        let line = self.walk.primitive(&part.primitive, part.origin, &here)?;
+        self.lines.push(line);
+        Ok(())
     }
 }
 

@@ -275,7 +275,7 @@ fn random_transform(dice: &mut Dice, b: &mut Builder, body: NodeId) -> NodeId {
 pub(crate) fn rename(node: &mut Node, renamed: &[NodeId]) {
     let new = |id: &mut NodeId| *id = renamed[id.0 as usize];
     match node {
-        Node::Empty | Node::Primitive { .. } | Node::Call(_) | Node::System(_) => {}
+        Node::Empty | Node::Primitive { .. } | Node::Call(_) | Node::System(_) | Node::Shape(_) => {}
         Node::Transform { body, .. }
         | Node::Calc { body, .. }
         | Node::Paint { body, .. }

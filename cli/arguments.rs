@@ -31,6 +31,7 @@ Examples:
   treegen check sierpinski.tg                        only look for mistakes
   treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
   treegen measure sierpinski.tg                      how many primitives it has, how deep, how large
+  treegen inspect elm.tg --derivation                the rules that made a plant, one inside the other
 
 Exit codes:
   0  done: the picture is written whole
@@ -66,7 +67,7 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE --expand\n       treegen measure [OPTIONS] FILE";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
@@ -136,6 +137,9 @@ pub struct Render {
     /// What the program's parameters are.
     #[command(flatten)]
     pub program: Program,
+    /// Stop the derivation of each shape after so many rules: a young plant
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64), help_heading = "Program")]
+    pub until: Option<u64>,
     /// How many threads work [default: as many as there are processors]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), help_heading = "Work")]
     pub threads: Option<u32>,

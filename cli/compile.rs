@@ -58,6 +58,14 @@ impl Understood {
         Err(Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color)))
     }
 
+    /// The same program, whose shapes stop after so many rules, if a number is given.
+    pub fn stopping_after(mut self, rules: Option<u64>) -> Self {
+        if let Some(rules) = rules {
+            self.scene.graph = self.scene.graph.stopping_after(rules);
+        }
+        self
+    }
+
     /// A fault in words.
     pub fn failure(&self, fault: &Fault, console: Console) -> Failure {
         if fault.kind == FaultKind::Interrupted {

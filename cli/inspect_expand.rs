@@ -25,10 +25,10 @@ pub fn expand(arguments: Inspect, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
     let progress = Progress::listen()?;
     let place = Place::find(&arguments.output)?;
-    let Inspect { file, output, format, limit, program, .. } = arguments;
+    let Inspect { file, output, format, limit, until, program, .. } = arguments;
     let limits = Limits { primitives: limit, ..Limits::default() };
     let understood = supervise(&progress, Bar::new(console), move |_| {
-        let mut understood = compile(&file, &program, limits, console)?;
+        let mut understood = compile(&file, &program, limits, console)?.stopping_after(until);
         fill_in(&mut understood.scene, &limits).map_err(|fault| understood.failure(&fault, console))?;
         Ok(understood)
     })?;

@@ -19,7 +19,7 @@ use crate::console::{Console, shown};
 use crate::exit::{Exit, Failure};
 use crate::output::{Place, Sink, Staged};
 use crate::progress::Bar;
-use crate::stats::{CpuSeconds, Rays, Seconds, Stats, cpu_seconds, peak_rss_bytes};
+use crate::stats::{CpuSeconds, Seconds, Stats, cpu_seconds, peak_rss_bytes};
 use crate::supervise::{Progress, STACK_BYTES, no_thread, supervise};
 
 /// How a picture is written.
@@ -137,7 +137,7 @@ fn write_stats(stats: &Stats, out: &mut dyn Sink) -> io::Result<()> {
 fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Console) -> Result<Made, Failure> {
     let start = Instant::now();
     let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..Limits::default() };
-    let program = compile(arguments.file(), &arguments.program, limits, console)?;
+    let program = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;
     let compiled = start.elapsed().as_secs_f64();
@@ -198,7 +198,7 @@ fn look(
 impl Traced {
     fn stats(&self, compile: f64) -> Stats {
         Stats {
-            rays: Rays { camera: self.picture.rays.camera, shadow: self.picture.rays.shadow },
+            rays: self.picture.rays.into(),
             seconds: Seconds { compile, prepare: self.prepare, render: self.render },
             cpu_seconds: CpuSeconds { render: self.cpu },
             states: self.counts.map(|it| it.states),
@@ -250,6 +250,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
     }
     if arguments.detail != RenderOptions::default().detail {
         text.push(("Detail".to_owned(), arguments.detail.to_string()));
+    }
+    if let Some(rules) = arguments.until {
+        text.push(("Until".to_owned(), rules.to_string()));
     }
     if let Some(Rect { x, y, width, height }) = arguments.crop {
         text.push(("Crop".to_owned(), format!("{x},{y},{width},{height}")));

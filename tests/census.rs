@@ -44,7 +44,7 @@ fn what_is_counted_is_what_there_is_one_by_one() {
             assert_eq!(counted(&scene).primitives, Number::Exact(one_by_one(&scene).into()), "seed {seed}: {text}");
         }
     }
-    for example in ["sierpinski", "menger", "sympodial", "leaf", "shell"] {
+    for example in ["sierpinski", "menger", "sympodial", "shell"] {
         let scene = scene(&std::fs::read_to_string(format!("examples/{example}.tg")).unwrap());
         assert_eq!(counted(&scene).primitives, Number::Exact(one_by_one(&scene).into()), "{example}");
     }

@@ -205,6 +205,63 @@ fn what_grows_meets_its_limit_before_the_memory_is_taken() {
 }
 
 #[test]
+fn walks_end_in_a_picture_or_in_a_message() {
+    let step = "segment(.1, .05, .05)";
+    assert_outcomes(&[
+        // Without an end.
+        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a -> a a; }", "E0923"),
+        ("shape S { start a; a -> repeat 1e6 { segment(1,.1,.1) } a; }", "E0924"),
+        ("shape S { start a; a -> repeat 1e6 { rotz(1) } a; }", "E0925"),
+        ("shape S { start a; a -> repeat 1e4 { repeat 1e4 { nothing } } a; }", "E0914"),
+        ("shape S { start a; a -> b; b -> a; }", "E0922"),
+        ("shape S { start a; a if 1 > 2 -> a; }", "fine"),
+        ("shape S { start nothing; }", "fine"),
+        // Priorities.
+        (
+            "shape S { start a; priority 2147483647 { a -> segment(1,.1,.1) b; } priority -2147483647 { b -> nothing; } }",
+            "fine",
+        ),
+        ("shape S { start a; priority 2147483648 { a -> nothing; } }", "E0516"),
+        ("shape S { start a; priority .5 { a -> nothing; } }", "E0516"),
+        // Brackets and frames.
+        ("shape S { start <200: [>segment(1,.1,.1)<200: ]>; }", "fine"),
+        ("shape S { start <100000: [>", "E0903"),
+        ("shape S { start a; a -> [ segment(1,.1,.1); b -> ] segment(1,.1,.1); }", "E0114"),
+        ("shape S { start repeat 400 { uscale(10) } segment(1,.1,.1); }", "E1015"),
+        ("shape S { start repeat 400 { uscale(.1) } segment(1,.1,.1); }", "E1015"),
+        ("shape S { start move(1e308,0,0) move(1e308,0,0) segment(1,.1,.1); }", "E1015"),
+        // Lengths and radii.
+        ("shape S { start segment(0, 1, 1) segment(1, 0, 0) segment(1, .1, .1); }", "fine"),
+        ("shape S { start segment(-1, 1, 1); }", "E1013"),
+        ("shape S { start segment(1, -1, 1); }", "E1013"),
+        ("shape S { start segment(inf, 1, 1); }", "E1013"),
+        ("shape S { start segment(1e-300, 1, 1) segment(1, .1, .1); }", "fine"),
+        ("shape S { start segment(1e-300, 1e-300, 1e-300); }", "fine"),
+        ("shape S { start segment(1e300, 1, 1); }", "fine"),
+        ("shape S { start segment(1, 1e9, 1e9); }", "fine"),
+        ("shape S { start segment(1, 0, .1) segment(1, .1, 0) segment(1, .1, .1); }", "fine"),
+        ("shape S { start segment(1, 1e-300, 1e300); }", "fine"),
+        ("shape S { start toward((0,0,0), 1) segment(1,.1,.1); }", "E1014"),
+        ("shape S { start toward((0,0,1), -1) segment(1,.1,.1); }", "E1014"),
+        // Bends and long stems.
+        (&format!("shape S {{ start repeat 200 {{ {step} rotx(180) }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 200 {{ {step} rotx(179.999) rotz(1e-9) }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 100 {{ [ repeat 5 {{ {step} }} ] }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 30000 as i {{ {step} rotx(2) rotz(i / 100) }}; }}"), "fine"),
+        ("shape S { start variant(0) segment(1,.1,.1); }", "E1008"),
+        // A walk is no expression, and an expression no walk.
+        ("shape S { start a | a; a -> nothing; }", "E0510"),
+        ("shape S { start (a); a -> nothing; }", "E0510"),
+        ("shape S { start uscale(.5) (sphere | a); a -> nothing; }", "E0510"),
+        ("csg S { start segment(1, 1, 1); }", "E0508"),
+        ("shape S { start mesh(\"stone.obj\"); }", "E0701"),
+        ("shape S { start S2; } csg S2 { start box; }", "E0407"),
+    ]);
+}
+
+#[test]
 fn long_texts_are_read_in_linear_time() {
     assert_outcomes(&[
         ("let a = 1<100000: +1>; csg S { start uscale(a/1e5) box; }", "fine"),
@@ -280,4 +337,50 @@ fn hard_cases_of_geometry_look_as_they_do_by_the_book() {
         programs.into_iter().filter(differs).collect()
     });
     assert!(different.is_empty(), "{}", different.join("\n"));
+}
+
+#[test]
+fn textures_and_mirrors_of_any_numbers_make_pictures_of_numbers() {
+    let painted = |textures: &str, material: &str, show: &str| {
+        format!("{textures} material M {{ {material} }} scene {{ show paint(M) {show}; }}")
+    };
+    let kinds = ["kind: fbm, octaves: 16, lacunarity: LARGE", "kind: fourier, terms: 12, ratio: LARGE"];
+    let mut programs = vec![
+        painted("", "mirror: 1", "(halfspace(0,1,0,-1) | halfspace(0,-1,0,-1))"),
+        painted("", "mirror: 1, color: (0,0,0)", "uscale(3) (box \\ uscale(.9) box)"),
+        painted("", "mirror: .5, gloss: 1", "repeat 20 as i { move(0,i,0) triangle }"),
+    ];
+    for kind in kinds {
+        for (large, rest) in [
+            ("2", "frequency: 1e300"),
+            ("2", "frequency: 1e-300"),
+            ("1e30", "stretch: (1e-300, 1, 1e300)"),
+            ("1e-30", "offset: (1e300, -1e300, 0)"),
+            ("1", "seed: -1e300, space: world"),
+        ] {
+            let texture = format!("texture T {{ {}, {rest} }}", kind.replace("LARGE", large));
+            programs.push(painted(
+                &texture,
+                "shade: T, bump: T, depth: 1e300, mirror: .1",
+                "sphere | halfspace(0,0,1,0)",
+            ));
+            programs.push(painted(&texture, "shade: T, bump: T, mirror: 1", "uscale(1e100) box"));
+        }
+    }
+    let wrong: Vec<String> = on_deep_stacks(|| {
+        let is_sound = |program: &String| {
+            picture(program, false).is_ok_and(|it| it.color.iter().flatten().all(|it| it.is_finite()))
+        };
+        programs.into_iter().filter(|it| !is_sound(it)).collect()
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_outcomes(&[
+        ("texture T { kind: fbm, octaves: 1e9 } material M { bump: T } scene { show paint(M) box; }", "E0608"),
+        ("texture T { kind: fourier, terms: 0 } material M { shade: T } scene { show paint(M) box; }", "E0608"),
+        ("texture T { kind: fbm, stretch: (0,1,1) } material M { shade: T } scene { show paint(M) box; }", "E0608"),
+        ("texture T { kind: fbm, frequency: 0/0 } material M { shade: T } scene { show paint(M) box; }", "E1005"),
+        ("texture T { kind: marble } material M { shade: T } scene { show paint(M) box; }", "E0606"),
+        ("texture T { octaves: 3 } material M { shade: T } scene { show paint(M) box; }", "E0603"),
+        ("material M { mirror: -1 } scene { show paint(M) box; }", "E0608"),
+    ]);
 }

@@ -32,7 +32,7 @@ pub use sources::{Source, Sources};
 pub use treegen_grammar::{FileId, Span};
 pub use vocabulary::Vocabulary;
 
-use treegen_runtime::form::Scene;
+use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::{Fault, Limits};
 
 use lower::code::Values;
@@ -84,9 +84,9 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     } else {
         match lower::lower(&program, Values(&found.values), found.functions) {
             Ok(lowered) => {
-                let materials = scene::materials(&setting, &lowered.materials);
+                let (materials, textures) = scene::surfaces(&setting, &lowered.materials);
                 let scene::Setting { camera, suns, sky, image, .. } = setting;
-                Some(Scene { graph: lowered.graph, seed: options.seed, materials, camera, suns, sky, image })
+                Some(Scene { graph: lowered.graph, seed: options.seed, materials, textures, camera, suns, sky, image })
             }
             Err(problem) => {
                 problems.push(problem);
@@ -127,4 +127,9 @@ pub fn certain_faults(scene: &Scene, limits: &Limits, vocabulary: &Vocabulary) -
 /// A fault that was met while a program ran, in words.
 pub fn problem_of_fault(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     words::fault::problem(fault, vocabulary)
+}
+
+/// A value as a program would write it; long lists and texts are cut.
+pub fn value_in_words(value: &Value, vocabulary: &Vocabulary) -> String {
+    words::constants::value(value, vocabulary)
 }

@@ -183,8 +183,8 @@ pub(crate) enum FieldValue {
     Expr(Expr),
     /// One of the field's own words.
     Word(&'static str),
-    /// A texture.
-    Texture,
+    /// A texture, by its number.
+    Texture(u32),
     /// A system's call.
     Surface,
     Error,
@@ -359,7 +359,7 @@ pub(crate) struct Later {
 #[derive(Debug)]
 pub(crate) enum Stride {
     Prefix(Prefix),
-    Word(WalkWord, Vec<Expr>),
+    Word(WalkWord, Vec<Expr>, Span),
     Solid(Solid),
     Bracket(Solid),
 }

@@ -107,6 +107,18 @@ pub enum FaultKind {
         /// Its numbers.
         values: Vec<f64>,
     },
+    /// A segment whose length or radius is negative or infinite.
+    Segment {
+        /// Its length, its radius at the start and at the end.
+        values: Vec<f64>,
+    },
+    /// `toward` with a direction that is none, or an angle that is negative.
+    Toward {
+        /// The direction's three numbers and the angle.
+        values: Vec<f64>,
+    },
+    /// A walk that has gone too far away, or become too large or too small, to compute with.
+    Frame,
     /// A cycle of rules that comes back to where it was without an end.
     Endless {
         /// The S-node that came back.
@@ -144,6 +156,14 @@ pub enum Limit {
     List,
     /// Nodes of the graph, or parts of one state.
     Nodes,
+    /// Rules applied in one derivation.
+    Rules,
+    /// Modules laid down in one derivation and not replaced yet.
+    Modules,
+    /// Segments of one derivation.
+    Segments,
+    /// Strides of one derivation's walks, and the operations of their expressions.
+    Strides,
     /// Steps of one ray through the scene.
     Steps,
     /// Intervals on one ray.

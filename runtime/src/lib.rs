@@ -8,6 +8,7 @@
 
 mod abstraction;
 pub mod census;
+pub mod derive;
 pub mod eval;
 pub mod export;
 pub mod fault;
@@ -17,6 +18,7 @@ mod lanes;
 mod limits;
 pub mod picture;
 mod quick_hash;
+pub mod texture;
 pub mod trace;
 
 pub use abstraction::{IdleRule, certain_faults, idle_rules};

@@ -15,6 +15,14 @@ pub struct Limits {
     pub list: u32,
     /// Parts of one state: primitives, copies, modules up to the next ones.
     pub items: u32,
+    /// Rules applied in one derivation of a shape.
+    pub rules: u32,
+    /// Modules laid down in one derivation and not replaced yet.
+    pub modules: u32,
+    /// Segments of one derivation.
+    pub segments: u32,
+    /// Strides of one derivation's walks, and the operations of their expressions.
+    pub strides: u64,
     /// Boxes and primitives that one ray may meet.
     pub steps: u64,
     /// Intervals on one ray.
@@ -34,6 +42,10 @@ impl Default for Limits {
             repeat: 1_000_000,
             list: 1_000_000,
             items: 1_000_000,
+            rules: 4_000_000,
+            modules: 1_000_000,
+            segments: 4_000_000,
+            strides: 100_000_000,
             steps: 100_000_000,
             intervals: 4096,
             primitives: 10_000_000,

@@ -126,6 +126,32 @@ fn along_an_axis_a_sierpinski_tetrahedron_is_a_full_square_at_the_depth_in_close
 }
 
 #[test]
+fn a_sierpinski_tetrahedron_looks_the_same_at_its_corner_however_near() {
+    // Odd multiples of 1/64 are on no edge of order 3, and numbers of so few digits are exact at the corner of order 40 too.
+    let place = |it: i32| f64::from(2 * it + 1) / 64.0;
+    let places: Vec<(f64, f64)> = (-32..32).flat_map(|y| (-32..32).map(move |x| (place(x), place(y)))).collect();
+    let order = 3;
+    let depths = |nearer: i32| -> Vec<u64> {
+        let scene = common::sierpinski(f64::from(order + nearer));
+        let cells = CellTracer::new(&scene, &Limits::default(), Culling::State).expect("no fault");
+        let size = libm::ldexp(1.0, -nearer);
+        let zoomed = |it: f64| 1.0 + (it - 1.0) * size;
+        let ray = |(x, y): &(f64, f64)| from_above(zoomed(*x), zoomed(*y)).origin.with_z(zoomed(3.0));
+        let rays: Vec<Ray> = places.iter().map(|it| Ray { origin: ray(it), direction: DVec3::NEG_Z }).collect();
+        let samples = look(&cells, &rays);
+        samples.iter().map(|it| (it.first().expect("the square has no hole").depth / size).to_bits()).collect()
+    };
+    let far = depths(0);
+    for ((x, y), depth) in places.iter().zip(&far) {
+        assert!((f64::from_bits(*depth) - (3.0 - sierpinski_top(order, *x, *y))).abs() < 1e-12);
+    }
+    for nearer in [1, 2, 7, 20, 40] {
+        let near = depths(nearer);
+        assert_eq!(near.iter().zip(&far).filter(|(near, far)| near != far).count(), 0, "of {} nearer", near.len());
+    }
+}
+
+#[test]
 fn from_the_front_a_menger_sponge_lights_eight_to_its_order_squares() {
     for order in 0..4u32 {
         let scene = common::menger(f64::from(order));

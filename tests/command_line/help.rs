@@ -63,6 +63,11 @@ fn a_wrong_command_line_says_what_would_be_right() {
         &["inspect", "--expand"],
         &["inspect", "a.tg", "--expand", "--format", "xml"],
         &["inspect", "a.tg", "--expand", "--limit", "0"],
+        &["inspect", "a.tg", "--expand", "--derivation"],
+        &["inspect", "a.tg", "--derivation", "--format", "pov"],
+        &["inspect", "a.tg", "--form", "circles"],
+        &["inspect", "a.tg", "--form", "segments", "--until", "-1"],
+        &["a.tg", "--until", "1.5"],
         &["--samples", "1", "inspect", "a.tg", "--expand"],
     ];
     let mut said = String::new();

@@ -231,7 +231,7 @@ impl Infer<'_> {
         match stride {
             Stride::Prefix(prefix) => self.prefix(system, prefix),
             Stride::Solid(solid) | Stride::Bracket(solid) => self.solid(system, solid),
-            Stride::Word(word, args) => {
+            Stride::Word(word, args, _) => {
                 for (number, arg) in args.iter().enumerate() {
                     let is_direction = *word == WalkWord::Toward && number == 0;
                     let needed = if is_direction { Type::Vector(3) } else { Type::Number };

@@ -187,17 +187,7 @@ impl<'a> Coder<'a> {
                     self.op(Op::Unary(to, unary(*op), to), span);
                 }
             }
-            ExprKind::Postfix { base, links } => {
-                self.expr_to(base, to);
-                for link in links {
-                    match link {
-                        Link::Index(index, place) => {
-                            self.with(index, |it, index| it.op(Op::Index(to, to, index), span.to(*place)));
-                        }
-                        Link::Part(number, place) => self.op(Op::Part(to, to, *number), span.to(*place)),
-                    }
-                }
-            }
+            ExprKind::Postfix { base, links } => self.postfix(base, links, to),
             ExprKind::Vector(parts) => self.with_all(parts, |it, parts| it.op(Op::Vector(to, parts), span)),
             ExprKind::List(parts) => self.with_all(parts, |it, parts| it.op(Op::List(to, parts), span)),
             ExprKind::Builtin(function, args) => {
@@ -210,6 +200,28 @@ impl<'a> Coder<'a> {
             ExprKind::Call { function, args, place } => {
                 let (function, place) = (self.functions.id(*function), *place);
                 self.with_all(args, |it, args| it.op(Op::Call { to, function, args, place }, span));
+            }
+        }
+    }
+
+    /// Indices and parts, one after the other.
+    fn postfix(&mut self, base: &Expr, links: &[Link], to: Reg) {
+        let mut links = links;
+        match (&base.kind, links) {
+            // A list is not copied for one of its elements.
+            (ExprKind::Slot(slot), [Link::Index(index, place), rest @ ..]) => {
+                let (slot, span) = (Slot(*slot as u16), base.span.to(*place));
+                self.with(index, |it, index| it.op(Op::Element(to, slot, index), span));
+                links = rest;
+            }
+            _ => self.expr_to(base, to),
+        }
+        for link in links {
+            match link {
+                Link::Index(index, place) => {
+                    self.with(index, |it, index| it.op(Op::Index(to, to, index), base.span.to(*place)));
+                }
+                Link::Part(number, place) => self.op(Op::Part(to, to, *number), base.span.to(*place)),
             }
         }
     }

@@ -6,6 +6,7 @@
 pub(crate) mod code;
 mod solid;
 mod system;
+mod walk;
 
 use std::collections::HashMap;
 
@@ -41,6 +42,7 @@ pub(crate) fn lower(program: &Program, values: Values<'_>, functions: Functions)
         nodes: Vec::new(),
         selects: Vec::new(),
         systems: Vec::new(),
+        shapes: Vec::new(),
         module_ids: HashMap::new(),
         system_ids: HashMap::new(),
         material_ids: HashMap::new(),
@@ -68,6 +70,7 @@ struct Lowering<'a> {
     /// Places are reserved when something is first named, and filled when its turn comes.
     selects: Vec<Option<form::Select>>,
     systems: Vec<Option<form::System>>,
+    shapes: Vec<form::Shape>,
     module_ids: HashMap<ModuleId, SelectId>,
     system_ids: HashMap<SystemId, form::SystemId>,
     material_ids: HashMap<MaterialId, form::MaterialId>,
@@ -134,7 +137,8 @@ impl Lowering<'_> {
         }
         let selects = self.selects.into_iter().flatten().collect();
         let systems = self.systems.into_iter().flatten().collect();
-        let graph = Graph::new(self.nodes, selects, systems, self.functions.into_table(), root);
+        let functions = self.functions.into_table();
+        let graph = Graph::with_shapes(self.nodes, selects, systems, functions, self.shapes, root);
         match graph {
             Ok(graph) => Ok(Lowered { graph, materials: self.materials }),
             Err(error) => Err(words::values::no_graph(&error)),

@@ -161,11 +161,11 @@ impl Lowering<'_> {
         self.code(|coder| vec![coder.expr(expr)])
     }
 
-    fn values_of(&mut self, exprs: &[Expr]) -> Code {
+    pub(super) fn values_of(&mut self, exprs: &[Expr]) -> Code {
         self.code(|coder| exprs.iter().map(|it| coder.expr(it)).collect())
     }
 
-    fn steps(&mut self, steps: &[Step]) -> Code {
+    pub(super) fn steps(&mut self, steps: &[Step]) -> Code {
         self.code(|coder| {
             coder.steps(steps);
             Vec::new()
@@ -173,7 +173,7 @@ impl Lowering<'_> {
     }
 
     /// The numbers of a transformation or primitive; those of a vector stand for themselves.
-    fn numbers(&mut self, args: &[Expr], groups: &[Group], flat: bool) -> Code {
+    pub(super) fn numbers(&mut self, args: &[Expr], groups: &[Group], flat: bool) -> Code {
         self.code(|coder| {
             if flat {
                 return args.iter().map(|it| coder.expr(it)).collect();

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use treegen_grammar::ast::SystemKind;
 use treegen_runtime::form::{self, Choice, Code, Op, Slot};
 
 use super::{Lowering, origin};
@@ -27,6 +28,7 @@ impl Lowering<'_> {
                 self.union_of(shows, scene.span)
             }
             _ => match &system.start {
+                Some(_) if system.kind == SystemKind::Shape => self.shape(id),
                 Some(start) => self.solid(id, start),
                 None => self.node(form::Node::Empty, system.name_span),
             },

@@ -1,7 +1,7 @@
 //! Names in chains: modules and systems of the program, and the operators and solids that every program knows.
 
 use treegen_grammar::Span;
-use treegen_grammar::ast;
+use treegen_grammar::ast::{self, SystemKind};
 
 use super::Resolver;
 use super::arguments::Callee;
@@ -110,6 +110,11 @@ impl Resolver<'_> {
         let place = scope.next_call();
         let slots = self.program.modules[module.index()].params.clone();
         let system = self.program.modules[module.index()].system;
+        if !scope.walk && self.program.systems[system.index()].kind != SystemKind::Csg {
+            self.waste(scope, args);
+            self.report(scope, words::systems::module_outside_walk(&name.text, span));
+            return SolidKind::Error;
+        }
         let params: Vec<String> = slots.iter().map(|it| self.program.slot_name(system, *it).to_owned()).collect();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];

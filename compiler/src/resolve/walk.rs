@@ -93,7 +93,7 @@ impl Resolver<'_> {
             return error;
         }
         match self.arguments(scope, callee, args.unwrap_or(&[])) {
-            Some(args) => Role::Stride(Stride::Word(*kind, args.into_iter().flatten().collect())),
+            Some(args) => Role::Stride(Stride::Word(*kind, args.into_iter().flatten().collect(), span)),
             None => error,
         }
     }

@@ -103,6 +103,23 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             format!("`{}({})` is no solid", kind.name(), numbers(values)),
             "these numbers make none".to_owned(),
         ),
+        FaultKind::Segment { values } => (
+            "E1013",
+            format!("`segment({})` cannot be laid", numbers(values)),
+            "its length and radii are 0 or more, and finite".to_owned(),
+        ),
+        FaultKind::Toward { values } => {
+            let label = match values.as_slice() {
+                [.., angle] if *angle < 0.0 => "the angle is 0 or more",
+                _ => "the direction has no direction",
+            };
+            ("E1014", format!("`toward({})` turns nowhere", numbers(values)), label.to_owned())
+        }
+        FaultKind::Frame => (
+            "E1015",
+            "the walk leaves what can be computed with".to_owned(),
+            "too far away, too large or too small from here on".to_owned(),
+        ),
         FaultKind::Endless { module, .. } => (
             "E1011",
             format!("`{module}` comes back to itself without an end"),
@@ -162,6 +179,10 @@ fn limit_code(limit: Limit) -> &'static str {
         Limit::Intervals => "E0918",
         Limit::Pixels => "E0919",
         Limit::Samples => "E0920",
+        Limit::Rules => "E0922",
+        Limit::Modules => "E0923",
+        Limit::Segments => "E0924",
+        Limit::Strides => "E0925",
         Limit::Primitives => "E0921",
     }
 }
@@ -177,6 +198,10 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Steps => "a ray meets more than the limit",
         Limit::Intervals => "a ray goes in and out more often than the limit",
         Limit::Pixels => "the picture has more pixels than the limit",
+        Limit::Rules => "a derivation applies more rules than the limit",
+        Limit::Modules => "more modules are waiting to be replaced than the limit",
+        Limit::Segments => "a derivation lays more segments than the limit",
+        Limit::Strides => "a derivation takes more steps than the limit",
         Limit::Primitives => "the scene has more primitives than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
     }
@@ -189,6 +214,9 @@ fn advice(kind: &FaultKind) -> Option<&'static str> {
         FaultKind::Limit { limit: Limit::Calls, .. } => Some("does the function call itself without an end?"),
         FaultKind::Limit { limit: Limit::Depth, .. } => {
             Some("does a rule name its own module without shrinking it or counting down?")
+        }
+        FaultKind::Limit { limit: Limit::Rules | Limit::Modules | Limit::Segments, .. } => {
+            Some("a walk needs an end: does a rule lay down its own module for ever?")
         }
         _ => None,
     }

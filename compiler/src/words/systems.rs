@@ -88,6 +88,17 @@ pub(crate) fn not_in_walk(name: &str, span: Span) -> Problem {
         .note("in parentheses, before a solid, it has")
 }
 
+/// A module of a walk in an expression over solids.
+pub(crate) fn module_outside_walk(name: &str, span: Span) -> Problem {
+    Problem::error(
+        "E0510",
+        format!("`{name}` is laid down by walks, and is no solid"),
+        span,
+        "this is an expression over solids",
+    )
+    .note("lay it down outside the parentheses, or let a system of its own begin with it")
+}
+
 /// A surface without an inside below `&` or `\`.
 pub(crate) fn open_surface(name: &str, span: Span, op: &str) -> Problem {
     Problem::error(

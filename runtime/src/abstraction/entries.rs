@@ -1,6 +1,6 @@
 //! The entries of a graph, S-nodes and systems, with the nodes between each and the next ones.
 
-use crate::form::{Graph, Node, NodeId, SelectId, SystemId};
+use crate::form::{Graph, Node, NodeId, SelectId, Shape, SystemId};
 use crate::trace::Entry;
 
 /// The entries of a graph by number: the S-nodes, then the systems.
@@ -34,7 +34,7 @@ impl Entries {
                 {
                     entries.callers[inner].push(number);
                 }
-                ahead.extend(below(node));
+                ahead.extend(below(graph, node));
             }
             nodes.sort_unstable();
             entries.nodes.push(nodes);
@@ -73,6 +73,39 @@ impl Entries {
         &self.callers[number]
     }
 
+    /// For each entry, whether a shape lies below it.
+    pub(crate) fn with_shapes_below(&self, graph: &Graph) -> Vec<bool> {
+        let mut found = vec![false; self.count()];
+        let is_shape = |it: &NodeId| matches!(graph.node(*it), Node::Shape(_));
+        let mut ahead: Vec<usize> = (0..self.count()).filter(|it| self.nodes[*it].iter().any(is_shape)).collect();
+        while let Some(number) = ahead.pop() {
+            if !std::mem::replace(&mut found[number], true) {
+                ahead.extend(&self.callers[number]);
+            }
+        }
+        found
+    }
+
+    /// For each entry, whether one of the solids that shapes place leads to it.
+    pub(crate) fn below_shapes(&self, graph: &Graph) -> Vec<bool> {
+        let mut found = vec![false; self.count()];
+        let mut nodes: Vec<NodeId> = graph.shapes().iter().flat_map(Shape::solids).collect();
+        let mut seen = vec![false; graph.nodes().len()];
+        while let Some(id) = nodes.pop() {
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
+            }
+            let node = graph.node(id);
+            nodes.extend(below(graph, node));
+            if let Some(number) = self.called(node)
+                && !std::mem::replace(&mut found[number], true)
+            {
+                nodes.extend(&self.nodes[number]);
+            }
+        }
+        found
+    }
+
     /// The number of the entry that a node goes to, if it goes to one.
     fn called(&self, node: &Node) -> Option<usize> {
         match node {
@@ -94,8 +127,8 @@ pub(crate) fn roots(graph: &Graph, entry: Entry) -> Vec<NodeId> {
     }
 }
 
-/// The nodes that a node names.
-fn below(node: &Node) -> Vec<NodeId> {
+/// The nodes that a node names, those of the solids that a shape places included.
+fn below(graph: &Graph, node: &Node) -> Vec<NodeId> {
     match node {
         Node::Empty | Node::Primitive { .. } | Node::Call(_) | Node::System(_) => Vec::new(),
         Node::Transform { body, .. }
@@ -106,5 +139,6 @@ fn below(node: &Node) -> Vec<NodeId> {
         Node::Choice { then, otherwise, .. } => vec![*then, *otherwise],
         Node::Union(operands) | Node::Intersect(operands) => operands.to_vec(),
         Node::Difference(first, others) => std::iter::once(*first).chain(others.iter().copied()).collect(),
+        Node::Shape(shape) => graph.shape(*shape).solids().collect(),
     }
 }

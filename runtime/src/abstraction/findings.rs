@@ -29,6 +29,10 @@ pub fn idle_rules(scene: &Scene) -> Vec<IdleRule> {
     let Some(met) = met else { return Vec::new() };
     let mut idle = Vec::new();
     for (number, select) in flow.graph.selects().iter().enumerate() {
+        // What shapes give to what they place is not known.
+        if flow.is_borne(Entry::Select(SelectId(number as u32))) {
+            continue;
+        }
         let mut states = met.iter().filter(|it| it.entry() == Some(SelectId(number as u32))).peekable();
         // Where something fails before a rule is chosen, nothing is said of the rules.
         if states.peek().is_none() || states.clone().all(|it| it.chosen.rules.is_empty()) {

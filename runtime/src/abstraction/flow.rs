@@ -44,6 +44,10 @@ pub(crate) struct Flow {
     entries: Entries,
     lays: Vec<Lay>,
     fixed: Vec<Fixed>,
+    /// Whether shapes lie below each entry.
+    bears: Vec<bool>,
+    /// Whether a shape may lead to each entry.
+    borne: Vec<bool>,
 }
 
 impl Flow {
@@ -62,7 +66,8 @@ impl Flow {
                 discrete: true,
             })
             .collect();
-        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed };
+        let (bears, borne) = (entries.with_shapes_below(&graph), entries.below_shapes(&graph));
+        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed, bears, borne };
         flow.mark_discrete();
         flow
     }
@@ -74,6 +79,16 @@ impl Flow {
     /// What a node is if it is the same everywhere.
     pub(crate) fn fixed(&self, node: NodeId) -> &Fixed {
         &self.fixed[node.0 as usize]
+    }
+
+    /// Whether shapes lie below an entry: what these derive to is not known to an abstract state.
+    pub(crate) fn bears_shapes(&self, entry: Entry) -> bool {
+        self.bears[self.entries.number(entry)]
+    }
+
+    /// Whether a shape may lead to an entry, with any values.
+    pub(crate) fn is_borne(&self, entry: Entry) -> bool {
+        self.borne[self.entries.number(entry)]
     }
 
     /// Marks the entries from which slots that are data can be reached.

@@ -236,6 +236,7 @@ impl AbstractMachine {
             Op::Vector(to, parts) => (to, operation::vector(&self.all(base, parts))),
             Op::List(to, parts) => (to, Some(Abstract::list(&self.all(base, parts)))),
             Op::Index(to, list, index) => (to, operation::index(self.get(base, *list), self.get(base, *index))),
+            Op::Element(to, slot, index) => (to, operation::index(&load(slots, *slot), self.get(base, *index))),
             Op::Part(to, vector, number) => (to, operation::part(self.get(base, *vector), *number)),
             Op::Builtin(to, Builtin::Rand, _) => (to, Some(operation::rand())),
             Op::Builtin(to, Builtin::Noise, args) => (to, operation::noise(self.seed, &self.all(base, args))),

@@ -11,6 +11,7 @@
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
 //! - [`skeleton`]: a graph without all that only moves and shapes things.
 //! - [`hyper`]: one box for all states of a module.
+//! - [`planted`]: what states with shapes in them amount to.
 //! - [`findings`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod canon;
@@ -24,6 +25,7 @@ mod loose;
 mod machine;
 mod needs;
 mod operation;
+mod planted;
 mod profile;
 mod range;
 mod run;
@@ -39,9 +41,10 @@ mod walk;
 pub use findings::{IdleRule, certain_faults, idle_rules};
 pub(crate) use hyper::HyperBoxes;
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
+pub(crate) use planted::{Next, Plant, extents as extents_of_plants};
 pub(crate) use profile::stretch;
 pub(crate) use skeleton::skeleton;
-pub(crate) use sketch::{Count, Extent};
+pub(crate) use sketch::{Count, Extent, Part, Sketch, What};
 pub(crate) use survey::{Scout, Survey};
 
 #[cfg(test)]

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 use super::entries::Entries;
 use crate::form::{
-    Builtin, Call, Choice, Code, Function, Graph, Node, NodeId, Op, Reg, Select, Slot, System, SystemCall, SystemId,
+    Builtin, Call, Choice, Code, Function, Graph, Node, NodeId, Op, Reg, Select, Shape, Slot, Stride, System,
+    SystemCall, SystemId,
 };
 use crate::trace::Entry;
 
@@ -216,7 +217,33 @@ impl<'g> Analysis<'g> {
             }
             Node::Call(call) => self.call(call),
             Node::System(call) => self.system_call(call),
+            Node::Shape(shape) => self.shape(self.graph.shape(*shape)),
         }
+    }
+
+    /// All that the walks of a shape read. What they assign before they read it is counted too: nobody else gives that a value.
+    fn shape(&self, shape: &Shape) -> Slots {
+        let mut slots = Slots::new();
+        for walk in shape.walks() {
+            walk.visit(&mut |stride| match stride {
+                Stride::Place { solid, .. } => add_all(&mut slots, &self.nodes[solid.0 as usize]),
+                _ => stride.code().iter().for_each(|it| add_all(&mut slots, &self.read_all(it.0))),
+            });
+        }
+        shape.selections().for_each(|it| add_all(&mut slots, &self.read_all(it)));
+        slots
+    }
+
+    /// The slots that a code reads, whatever it does with them.
+    fn read_all(&self, code: &Code) -> Slots {
+        let mut slots = self.read(code, true);
+        for op in &code.ops {
+            match op {
+                Op::Load(_, slot) | Op::Element(_, slot, _) => add(&mut slots, *slot),
+                _ => {}
+            }
+        }
+        slots
     }
 
     /// The arguments of a call that are needed.
@@ -348,6 +375,17 @@ impl<'g> Analysis<'g> {
             }
             Op::Copy(to, a) | Op::Unary(to, _, a) | Op::Part(to, a, _) => now.pass(*to, &[*a]),
             Op::Binary(to, _, a, b) => now.pass(*to, &[*a, *b]),
+            Op::Element(to, slot, index) => {
+                let needed = now.pass(*to, &[*index]);
+                if needed {
+                    add(&mut now.needs.slots, *slot);
+                }
+                if self.sinks == Sinks::Control {
+                    // It may choose among data.
+                    now.need(*index);
+                }
+                needed
+            }
             Op::Index(to, list, index) => {
                 let needed = now.pass(*to, &[*list, *index]);
                 if self.sinks == Sinks::Control {

@@ -176,6 +176,7 @@ impl Profile {
                 Self::each(|it| corners(&[level(out, 1.0), level(out, -1.0)], it))
             }
             PrimitiveKind::Triangle => Self::each(|it| corners(&[level(0.0, 0.0), level(1.0, 0.0)], it)),
+            PrimitiveKind::Segment => Self::of_box(&primitive.bounds()),
             PrimitiveKind::HalfSpace
             | PrimitiveKind::Hyperboloid
             | PrimitiveKind::Paraboloid

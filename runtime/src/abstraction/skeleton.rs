@@ -14,7 +14,7 @@ pub(crate) fn skeleton(graph: &Graph) -> Option<Graph> {
     let nodes = graph.nodes().iter().map(node).collect();
     let selects = graph.selects().iter().map(|it| Select { proxy: None, ..it.clone() }).collect();
     let systems = graph.systems().iter().map(system).collect();
-    let bare = Graph::new(nodes, selects, systems, graph.functions().to_vec(), graph.root()).ok()?;
+    let bare = graph.with_parts(nodes, selects, systems, graph.functions().to_vec())?;
     let entries = Entries::of(&bare);
     let needs = Analysis::run(&bare, &entries, Sinks::Exact);
     slim(&bare, &needs)

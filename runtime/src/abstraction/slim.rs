@@ -12,7 +12,7 @@ pub(super) fn slim(graph: &Graph, flows: &Analysis<'_>) -> Option<Graph> {
     let selects = graph.selects().iter().map(|it| select(flows, it)).collect();
     let systems = graph.systems().iter().enumerate().map(|(number, it)| system(flows, number, it)).collect();
     let functions = graph.functions().iter().map(|it| function(flows, it)).collect();
-    Graph::new(nodes, selects, systems, functions, graph.root()).ok()
+    graph.with_parts(nodes, selects, systems, functions)
 }
 
 fn node(flows: &Analysis<'_>, node: &Node) -> Node {
@@ -45,7 +45,8 @@ fn node(flows: &Analysis<'_>, node: &Node) -> Node {
         | Node::Variant { .. }
         | Node::Union(_)
         | Node::Intersect(_)
-        | Node::Difference(..) => node.clone(),
+        | Node::Difference(..)
+        | Node::Shape(_) => node.clone(),
     }
 }
 

@@ -89,6 +89,12 @@ impl Step {
         Some(Self::Known { map, stretch })
     }
 
+    /// A step by any map that can be undone.
+    pub(crate) fn of_map(map: &DAffine3) -> Option<Self> {
+        let is_sound = map.is_finite() && map.inverse().is_finite();
+        is_sound.then(|| Self::Known { map: *map, stretch: norm(&map.matrix3) })
+    }
+
     /// At least the most by which a vector gets longer.
     pub(crate) fn stretch(&self) -> f64 {
         match self {

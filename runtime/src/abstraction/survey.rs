@@ -17,7 +17,7 @@ use crate::fault::Fault;
 use crate::form::{Scene, Slot};
 use crate::limits::Limits;
 use crate::quick_hash::BuildQuickHash;
-use crate::trace::State;
+use crate::trace::{Entry, State};
 
 /// Answers that a thread remembers before it forgets all of them.
 const MOST_REMEMBERED: usize = 1 << 12;
@@ -56,6 +56,11 @@ impl Survey {
     /// Whether no two states of this kind are likely to amount to the same: they draw, or carry data.
     pub(crate) fn is_rare(&self, state: &State) -> bool {
         state.path.is_some() || self.flow.at(state.entry).slots.iter().any(|it| !it.1)
+    }
+
+    /// Whether shapes lie below states of an entry: of those nothing is known but by looking at what is in them.
+    pub(crate) fn bears_shapes(&self, entry: Entry) -> bool {
+        self.flow.bears_shapes(entry)
     }
 
     /// What a state amounts to; `live` are the slots that it has values of.

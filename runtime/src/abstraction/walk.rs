@@ -66,6 +66,9 @@ pub(crate) struct Walker {
     stretches: u64,
 }
 
+/// What a plant counts as: too much to be small.
+const MANY: u64 = 1 << 20;
+
 /// Where a walk is.
 #[derive(Clone)]
 struct Here {
@@ -295,6 +298,8 @@ impl Walker {
                     let state = self.enter_system(flow, call);
                     return self.reach(sketch, state, call.origin, here);
                 }
+                // What a derivation comes to is known when it is done, for each state by itself.
+                Node::Shape(_) => return sketch.add(Loose::ALL, here.copies.saturating_mul(MANY)),
             }
         }
     }

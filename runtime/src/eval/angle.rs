@@ -2,15 +2,31 @@
 
 /// (sine, cosine) of an angle in degrees, exact at multiples of 90.
 pub(crate) fn sin_cos(degrees: f64) -> (f64, f64) {
-    // The remainder of a division is exact, so huge angles lose nothing here.
-    let turned = degrees % 360.0;
-    let quarter = (turned / 90.0).round();
-    let (sin, cos) = libm::sincos((turned - quarter * 90.0).to_radians());
-    match (quarter as i32).rem_euclid(4) {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
+    // The remainder of a division is exact, so huge angles lose nothing here; one within a turn is its own.
+    let turned = if degrees.abs() < 360.0 { degrees } else { degrees % 360.0 };
+    let quarter = nearest(turned / 90.0);
+    let (sin, cos) = libm::sincos((turned - f64::from(quarter) * 90.0).to_radians());
+    // A quarter turn makes (cos, -sin) of (sin, cos). Which it is, is hard to foresee, so nothing is jumped over.
+    let (a, b) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
+    (signed(a, quarter), signed(b, quarter + 1))
+}
+
+/// A number, turned over for 2 and 3 quarters of each whole turn.
+fn signed(number: f64, quarter: i32) -> f64 {
+    f64::from_bits(number.to_bits() ^ u64::from(quarter as u32 & 2) << 62)
+}
+
+/// The whole number nearest to a small one; halves go away from 0. (`round` is a call of the platform's library; this is not.)
+fn nearest(number: f64) -> i32 {
+    let whole = number as i32;
+    // Exact, since both are near each other.
+    let rest = number - f64::from(whole);
+    if rest >= 0.5 {
+        whole + 1
+    } else if rest <= -0.5 {
+        whole - 1
+    } else {
+        whole
     }
 }
 
@@ -39,6 +55,17 @@ mod tests {
             let expected = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][i32::rem_euclid(turns, 4) as usize];
             assert_eq!(sin_cos(f64::from(turns) * 90.0), expected, "{turns}");
         }
+    }
+
+    #[test]
+    fn the_nearest_whole_number_is_the_one_that_rounding_gives() {
+        for step in -4_000..=4_000 {
+            let number = f64::from(step) / 1_000.0;
+            for number in [number, number.next_up(), number.next_down()] {
+                assert_eq!(f64::from(nearest(number)), number.round(), "{number:e}");
+            }
+        }
+        assert!(sin_cos(f64::INFINITY).0.is_nan());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::Path;
 use crate::form::Value;
 
 /// What an expression sees: the slots of its system, and where the derivation is.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Env {
     /// The slots: formals, `let`s, state, parameters, and what C-nodes and `repeat`s name.
     pub slots: Vec<Value>,

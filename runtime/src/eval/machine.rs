@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
+use super::formula::{Formula, Place, Program};
 use super::operation::{self, Failure};
 use super::path::mix;
+use super::quick::{self, Plain};
 use super::{Env, random};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{Builtin, Code, Function, FunctionId, Op, Origin, Reg, Value};
@@ -23,28 +25,57 @@ pub struct Machine<'g> {
     functions: &'g [Function],
     seed: u64,
     limits: Limits,
-    registers: Vec<Value>,
+    /// The registers of the code that is run, and of each function inside it, the innermost last.
+    frames: Vec<Vec<Value>>,
+    /// The registers of programs of numbers.
+    numbers: Vec<f64>,
     /// Operations done since the outermost run began.
     operations: u64,
+    /// Operations done in all runs before.
+    before: u64,
 }
 
 /// What one run of a code stands in.
 #[derive(Clone, Copy)]
-struct Frame {
-    /// Where its registers begin.
-    base: usize,
-    /// Where its arguments begin, in a function.
-    args: usize,
+struct Call<'a> {
+    /// The arguments of the function.
+    args: &'a [Value],
     /// How many functions it is inside.
     depth: u32,
     /// The places opened on the way: function calls and `calc` runs.
     site: u64,
 }
 
+/// The places that are open in a code.
+struct Sites {
+    open: SmallVec<[u64; 4]>,
+    /// A hash of all of them.
+    here: u64,
+}
+
+impl Sites {
+    fn enter(&mut self, place: u64) {
+        self.open.push(self.here);
+        self.here = mix(self.here, place);
+    }
+
+    fn leave(&mut self) {
+        self.here = self.open.pop().unwrap_or(self.here);
+    }
+}
+
 impl<'g> Machine<'g> {
     /// A machine for programs that call these functions.
     pub fn new(functions: &'g [Function], seed: u64, limits: &Limits) -> Self {
-        Self { functions, seed, limits: *limits, registers: Vec::new(), operations: 0 }
+        Self {
+            functions,
+            seed,
+            limits: *limits,
+            frames: vec![Vec::new()],
+            numbers: Vec::new(),
+            operations: 0,
+            before: 0,
+        }
     }
 
     /// The program's seed.
@@ -57,148 +88,217 @@ impl<'g> Machine<'g> {
         &self.limits
     }
 
+    /// Operations done in all runs so far.
+    pub(crate) fn operations(&self) -> u64 {
+        self.before + self.operations
+    }
+
     /// Runs a code in an environment.
     ///
     /// # Errors
     /// A fault, with the operation it happened at.
     pub fn run(&mut self, code: &Code, env: &mut Env) -> Result<Results, Fault> {
-        self.evaluate(code, env)?;
-        Ok(code.results.iter().map(|it| self.get(0, *it).clone()).collect())
+        self.run_here(code, env)?;
+        Ok(code.results.iter().map(|it| self.result(*it).clone()).collect())
     }
 
-    /// The same; the results stay where they are.
-    pub(crate) fn evaluate(&mut self, code: &Code, env: &mut Env) -> Result<(), Fault> {
-        self.operations = 0;
-        self.registers.clear();
-        self.execute(code, env, Frame { base: 0, args: 0, depth: 0, site: 0 })
+    /// Runs a code in an environment, and leaves its results where they are: see [`Machine::result`].
+    #[inline]
+    pub(crate) fn run_here(&mut self, code: &Code, env: &mut Env) -> Result<(), Fault> {
+        self.before += std::mem::take(&mut self.operations);
+        self.execute(code, env, Call { args: &[], depth: 0, site: 0 })
     }
 
-    /// A result of the code that was evaluated last.
-    pub(crate) fn result(&self, code: &Code, number: usize) -> Option<&Value> {
-        code.results.get(number).map(|it| self.get(0, *it))
+    /// A register as the last run left it.
+    #[inline]
+    pub(crate) fn result(&self, reg: Reg) -> &Value {
+        &self.frames[0][usize::from(reg.0)]
     }
 
     /// A number in [0, 1) for the draw at `place` in an environment.
-    pub(super) fn draw(&self, env: &Env, site: u64, place: u64) -> f64 {
-        let (here, there) = (mix(env.turn, site), mix(site, place));
-        random::uniform(self.seed, (mix(mix(env.path.0, here), there), mix(mix(env.path.1, there), here)))
+    #[inline]
+    pub(crate) fn draw(&self, env: &Env, site: u64, place: u64) -> f64 {
+        drawn(self.seed, env, (site, mix(site, place)))
     }
 
-    fn get(&self, base: usize, reg: Reg) -> &Value {
-        &self.registers[base + usize::from(reg.0)]
+    /// Runs the program of a formula if it has one: the program, if it came to its end.
+    #[inline]
+    pub(super) fn run_program<'f>(&mut self, formula: &'f Formula, env: &mut Env) -> Option<&'f Program> {
+        let program = formula.program()?;
+        // Many are constants, or what slots hold.
+        if program.ops.is_empty() {
+            return Some(program);
+        }
+        let count = usize::from(program.registers);
+        if self.numbers.len() < count {
+            self.numbers.resize(count, 0.0);
+        }
+        self.before += program.ops.len() as u64;
+        let seed = self.seed;
+        let done = quick::run(program, env, &mut self.numbers, |env, site| drawn(seed, env, site));
+        done.then_some(program)
     }
 
-    fn execute(&mut self, code: &Code, env: &mut Env, frame: Frame) -> Result<(), Fault> {
-        self.registers.resize(frame.base + usize::from(code.registers), Value::Number(0.0));
-        let mut sites: SmallVec<[u64; 4]> = SmallVec::new();
-        let mut frame = frame;
+    /// A number of the program that was run last; `None` if it is none.
+    #[inline(always)]
+    pub(super) fn number_at(&self, program: &Program, env: &Env, place: Place) -> Option<f64> {
+        quick::result(program, env, &self.numbers, place)
+    }
+
+    fn execute(&mut self, code: &Code, env: &mut Env, call: Call<'_>) -> Result<(), Fault> {
+        let depth = call.depth as usize;
+        if self.frames.len() <= depth {
+            self.frames.resize_with(depth + 1, Vec::new);
+        }
+        let mut registers = std::mem::take(&mut self.frames[depth]);
+        let count = usize::from(code.registers);
+        if registers.len() < count {
+            registers.resize(count, Value::Number(0.0));
+        }
+        let own = &mut registers[..count];
+        own.iter_mut().for_each(|it| put(it, 0.0));
+        let result = self.steps(code, env, own, call);
+        self.frames[depth] = registers;
+        result
+    }
+
+    fn steps(&mut self, code: &Code, env: &mut Env, registers: &mut [Value], call: Call<'_>) -> Result<(), Fault> {
         let mut next = 0;
+        let mut sites: Sites = Sites { open: SmallVec::new(), here: call.site };
         while let Some(op) = code.ops.get(next) {
-            let origin = code.origins.get(next).copied().unwrap_or(Origin::NONE);
             next += 1;
             self.operations += 1;
             if self.operations > self.limits.operations {
-                return Err(limit(Limit::Operations, self.limits.operations, origin));
+                return Err(limit(Limit::Operations, self.limits.operations, origin(code, next)));
+            }
+            if self.quick(op, env, registers, sites.here) {
+                continue;
             }
             match op {
-                Op::Enter(place) => {
-                    sites.push(frame.site);
-                    frame.site = mix(frame.site, *place);
-                }
-                Op::Leave => frame.site = sites.pop().unwrap_or(frame.site),
+                Op::Enter(place) => sites.enter(*place),
+                Op::Leave => sites.leave(),
                 Op::Jump(target) => next = *target as usize,
                 Op::JumpIf(reg, target) | Op::JumpUnless(reg, target) => {
-                    let truth = operation::truth(self.get(frame.base, *reg)).map_err(|it| it.at(origin))?;
+                    let truth = operation::truth(at(registers, *reg)).map_err(|it| it.at(origin(code, next)))?;
                     if truth == matches!(op, Op::JumpIf(..)) {
                         next = *target as usize;
                     }
                 }
                 Op::Call { to, function, args, place } => {
-                    let result =
-                        self.call(*function, args, env, Frame { site: mix(frame.site, *place), ..frame }, origin)?;
-                    self.set(frame.base, *to, result);
+                    let args: Results = args.iter().map(|it| at(registers, *it).clone()).collect();
+                    let inner = Call { args: &args, depth: call.depth + 1, site: mix(sites.here, *place) };
+                    let result = self.call(*function, env, inner, origin(code, next))?;
+                    *at_mut(registers, *to) = result;
                 }
-                _ => self.simple(op, env, frame).map_err(|it| it.at(origin))?,
+                _ => {
+                    let here = Call { site: sites.here, ..call };
+                    self.simple(op, env, registers, here).map_err(|it| it.at(origin(code, next)))?;
+                }
             }
         }
         Ok(())
     }
 
-    fn set(&mut self, base: usize, reg: Reg, value: Value) {
-        self.registers[base + usize::from(reg.0)] = value;
+    /// Does an operation on numbers that gives one; false if it is something else, and nothing was done.
+    #[inline(always)]
+    fn quick(&self, op: &Op, env: &Env, registers: &mut [Value], site: u64) -> bool {
+        let (to, number) = match op {
+            Op::Constant(to, Value::Number(number)) => (to, *number),
+            Op::Load(to, slot) => match &env.slots[usize::from(slot.0)] {
+                Value::Number(number) => (to, *number),
+                _ => return false,
+            },
+            Op::Binary(to, op, a, b) => match (at(registers, *a), at(registers, *b)) {
+                (Value::Number(x), Value::Number(y)) => match quick::binary(*op, *x, *y) {
+                    Some(Plain::Number(number)) => (to, number),
+                    Some(Plain::Bool(truth)) => {
+                        *at_mut(registers, *to) = Value::Bool(truth);
+                        return true;
+                    }
+                    None => return false,
+                },
+                _ => return false,
+            },
+            Op::Element(to, slot, index) => {
+                let Value::Number(index) = at(registers, *index) else { return false };
+                match quick::element(&env.slots[usize::from(slot.0)], *index) {
+                    Some(number) => (to, number),
+                    None => return false,
+                }
+            }
+            Op::Builtin(to, builtin, args) => {
+                match numbers(registers, args).and_then(|it| quick::builtin(*builtin, &it[..args.len()])) {
+                    Some(number) => (to, number),
+                    None => return false,
+                }
+            }
+            Op::Draw { to, draw, args, place } => {
+                let quick = |it: [f64; 3]| quick::distribute(*draw, self.draw(env, site, *place), &it[..args.len()]);
+                match numbers(registers, args).and_then(quick) {
+                    Some(number) => (to, number),
+                    None => return false,
+                }
+            }
+            _ => return false,
+        };
+        put(at_mut(registers, *to), number);
+        true
     }
 
-    /// Runs a function on arguments in the caller's registers.
-    fn call(
-        &mut self,
-        id: FunctionId,
-        args: &[Reg],
-        env: &mut Env,
-        caller: Frame,
-        origin: Origin,
-    ) -> Result<Value, Fault> {
-        if caller.depth >= self.limits.calls {
+    /// Runs a function.
+    fn call(&mut self, id: FunctionId, env: &mut Env, call: Call<'_>, origin: Origin) -> Result<Value, Fault> {
+        if call.depth > self.limits.calls {
             return Err(limit(Limit::Calls, u64::from(self.limits.calls), origin));
         }
         let functions = self.functions;
         let function = &functions[id.0 as usize];
-        let start = self.registers.len();
-        for arg in args {
-            let value = self.get(caller.base, *arg).clone();
-            self.registers.push(value);
-        }
-        let inner = Frame { base: self.registers.len(), args: start, depth: caller.depth + 1, site: caller.site };
-        self.execute(&function.code, env, inner)?;
-        let result = function.code.results.first().map_or(Value::Number(0.0), |it| self.get(inner.base, *it).clone());
-        self.registers.truncate(start);
-        Ok(result)
+        self.execute(&function.code, env, call)?;
+        let result = |it: &Reg| self.frames[call.depth as usize][usize::from(it.0)].clone();
+        Ok(function.code.results.first().map_or(Value::Number(0.0), result))
     }
 
     /// Does an operation that neither jumps nor calls.
-    fn simple(&mut self, op: &Op, env: &mut Env, frame: Frame) -> Result<(), Failure> {
-        let base = frame.base;
+    fn simple(&mut self, op: &Op, env: &mut Env, registers: &mut [Value], call: Call<'_>) -> Result<(), Failure> {
+        let reg = |it: &Reg| at(registers, *it);
         let (to, value) = match op {
             Op::Constant(to, value) => (to, value.clone()),
             Op::Load(to, slot) => (to, env.slots[usize::from(slot.0)].clone()),
             Op::Store(slot, from) => {
-                env.slots[usize::from(slot.0)] = self.get(base, *from).clone();
+                env.slots[usize::from(slot.0)] = reg(from).clone();
                 return Ok(());
             }
-            Op::Param(to, number) => (to, self.registers[frame.args + usize::from(*number)].clone()),
-            Op::Copy(to, from) => (to, self.get(base, *from).clone()),
-            Op::Unary(to, op, a) => (to, operation::unary(*op, self.get(base, *a))?),
-            Op::Binary(to, op, a, b) => (to, operation::binary(*op, self.get(base, *a), self.get(base, *b))?),
-            Op::Vector(to, parts) => (to, operation::vector(&self.all(base, parts))?),
-            Op::List(to, parts) => (to, self.list(base, parts)?),
-            Op::Index(to, list, index) => (to, operation::index(self.get(base, *list), self.get(base, *index))?),
-            Op::Part(to, vector, number) => (to, operation::part(self.get(base, *vector), *number)?),
+            Op::Param(to, number) => (to, call.args[usize::from(*number)].clone()),
+            Op::Copy(to, from) => (to, reg(from).clone()),
+            Op::Unary(to, op, a) => (to, operation::unary(*op, reg(a))?),
+            Op::Binary(to, op, a, b) => (to, operation::binary(*op, reg(a), reg(b))?),
+            Op::Index(to, list, index) => (to, operation::index(reg(list), reg(index))?),
+            Op::Element(to, slot, index) => (to, operation::index(&env.slots[usize::from(slot.0)], reg(index))?),
             Op::Builtin(to, Builtin::Rand, args) => {
-                (to, Value::Number(args.first().map_or(0.0, |it| random::rand(self.seed, self.get(base, *it)))))
+                (to, Value::Number(args.first().map_or(0.0, |it| random::rand(self.seed, reg(it)))))
             }
-            Op::Builtin(to, Builtin::Noise, args) => (to, operation::noise(self.seed, &self.all(base, args))?),
-            Op::Builtin(to, builtin, args) => (to, operation::builtin(*builtin, &self.all(base, args))?),
+            Op::Builtin(to, Builtin::Noise, args) => (to, operation::noise(self.seed, &all(registers, args))?),
+            Op::Builtin(to, builtin, args) => (to, operation::builtin(*builtin, &all(registers, args))?),
             Op::Draw { to, draw, args, place } => {
-                let uniform = self.draw(env, frame.site, *place);
-                (to, operation::distribute(*draw, uniform, &self.all(base, args))?)
+                let uniform = self.draw(env, call.site, *place);
+                (to, operation::distribute(*draw, uniform, &all(registers, args))?)
             }
             Op::Check { value, low, high, name } => {
-                return operation::check(self.get(base, *value), self.get(base, *low), self.get(base, *high), name);
+                return operation::check(reg(value), reg(low), reg(high), name);
             }
+            Op::Vector(to, parts) => (to, operation::vector(&all(registers, parts))?),
+            Op::List(to, parts) => (to, self.list(&all(registers, parts))?),
+            Op::Part(to, vector, number) => (to, operation::part(reg(vector), *number)?),
             // These change what comes next, and are done where that is known.
             Op::Enter(_) | Op::Leave | Op::Jump(_) | Op::JumpIf(..) | Op::JumpUnless(..) | Op::Call { .. } => {
                 return Ok(());
             }
         };
-        self.set(base, *to, value);
+        *at_mut(registers, *to) = value;
         Ok(())
     }
 
-    fn all(&self, base: usize, regs: &[Reg]) -> SmallVec<[&Value; 4]> {
-        regs.iter().map(|it| self.get(base, *it)).collect()
-    }
-
-    fn list(&mut self, base: usize, parts: &[Reg]) -> Result<Value, Failure> {
-        let values: Results = parts.iter().map(|it| self.get(base, *it).clone()).collect();
+    fn list(&mut self, parts: &[&Value]) -> Result<Value, Failure> {
+        let values: Results = parts.iter().map(|it| (*it).clone()).collect();
         let most = self.limits.list as usize;
         let Some(left) = left_of(most, &values) else {
             return Err(Failure(FaultKind::Limit { limit: Limit::List, most: most as u64 }));
@@ -207,6 +307,56 @@ impl<'g> Machine<'g> {
         self.operations += (most - left) as u64;
         Ok(Value::List(Arc::from(values.as_slice())))
     }
+}
+
+/// A number in [0, 1) for the draw at a site: its hash, and that of the site and the draw's place.
+#[inline]
+fn drawn(seed: u64, env: &Env, (site, there): (u64, u64)) -> f64 {
+    let here = mix(env.turn, site);
+    random::uniform(seed, (mix(mix(env.path.0, here), there), mix(mix(env.path.1, there), here)))
+}
+
+#[inline(always)]
+fn at(registers: &[Value], reg: Reg) -> &Value {
+    &registers[usize::from(reg.0)]
+}
+
+#[inline(always)]
+fn at_mut(registers: &mut [Value], reg: Reg) -> &mut Value {
+    &mut registers[usize::from(reg.0)]
+}
+
+fn all<'r>(registers: &'r [Value], regs: &[Reg]) -> SmallVec<[&'r Value; 4]> {
+    regs.iter().map(|it| at(registers, *it)).collect()
+}
+
+/// Puts a number where mostly another one was.
+#[inline(always)]
+fn put(to: &mut Value, number: f64) {
+    match to {
+        Value::Number(old) => *old = number,
+        _ => *to = Value::Number(number),
+    }
+}
+
+/// The place of the operation before `next`.
+#[cold]
+fn origin(code: &Code, next: usize) -> Origin {
+    code.origins.get(next - 1).copied().unwrap_or(Origin::NONE)
+}
+
+/// The numbers in up to three registers; `None` unless all are numbers.
+#[inline(always)]
+fn numbers(registers: &[Value], regs: &[Reg]) -> Option<[f64; 3]> {
+    let mut numbers = [0.0; 3];
+    if regs.len() > numbers.len() {
+        return None;
+    }
+    for (number, reg) in numbers.iter_mut().zip(regs) {
+        let Value::Number(value) = at(registers, *reg) else { return None };
+        *number = *value;
+    }
+    Some(numbers)
 }
 
 /// How many of `most` values are left after these and all that are in them.

@@ -3,12 +3,12 @@
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::operation::{self, Failure};
+use super::operation;
 use super::path::mix;
 use super::{Env, Machine, Path, angle};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{
-    Call, Choice, Code, Graph, Origin, PrimitiveKind, Select, Slot, System, SystemCall, TransformKind, Value,
+    Call, Choice, Code, Graph, Origin, PrimitiveKind, Reg, Select, Slot, System, SystemCall, TransformKind, Value,
 };
 
 /// The numbers a code gives.
@@ -33,22 +33,29 @@ impl Env {
 impl Machine<'_> {
     /// All results of a code, which are numbers.
     pub(crate) fn numbers(&mut self, code: &Code, env: &mut Env, operation: &'static str) -> Result<Numbers, Fault> {
-        self.evaluate(code, env)?;
-        let results = (0..code.results.len()).filter_map(|it| self.result(code, it));
-        let numbers: Result<_, Failure> = results.map(|it| operation::number(it, operation)).collect();
-        numbers.map_err(|it| it.at(code.origins.last().copied().unwrap_or(Origin::NONE)))
+        self.run_here(code, env)?;
+        code.results.iter().map(|it| self.number(code, *it, operation)).collect()
+    }
+
+    pub(super) fn number(&self, code: &Code, result: Reg, operation: &'static str) -> Result<f64, Fault> {
+        match self.result(result) {
+            Value::Number(number) => Ok(*number),
+            other => operation::number(other, operation).map_err(|it| it.at(last(code))),
+        }
     }
 
     /// The truth of a code's one result.
+    #[inline]
     pub(crate) fn truth(&mut self, code: &Code, env: &mut Env) -> Result<bool, Fault> {
-        self.evaluate(code, env)?;
-        let truth = self.result(code, 0).map_or(Ok(false), operation::truth);
-        truth.map_err(|it| it.at(code.origins.last().copied().unwrap_or(Origin::NONE)))
+        self.run_here(code, env)?;
+        let truth = |it: &Reg| operation::truth(self.result(*it)).map_err(|it| it.at(last(code)));
+        code.results.first().map_or(Ok(false), truth)
     }
 
     /// Goes below a C-node.
+    #[inline]
     pub(crate) fn calculate(&mut self, code: &Code, env: &mut Env) -> Result<(), Fault> {
-        self.evaluate(code, env)
+        self.run_here(code, env)
     }
 
     /// A whole number that is at least `least` and at most `most`.
@@ -61,14 +68,7 @@ impl Machine<'_> {
         origin: Origin,
     ) -> Result<u32, Fault> {
         let value = self.numbers(code, env, what)?.first().copied().unwrap_or(0.0);
-        let most = self.limits().repeat;
-        if value.fract() != 0.0 || value < f64::from(least) {
-            return Err(Fault::new(FaultKind::Whole { what, value, least: f64::from(least) }, origin));
-        }
-        if value > f64::from(most) {
-            return Err(Fault::new(FaultKind::Limit { limit: Limit::Repeat, most: u64::from(most) }, origin));
-        }
-        Ok(value as u32)
+        whole(value, what, least, self.limits().repeat, origin)
     }
 
     /// The matrix of a T-node: it maps points of the frame below to the frame above.
@@ -147,23 +147,10 @@ impl Machine<'_> {
         if weights.is_empty() {
             return Err(no_rule(graph, select, env));
         }
-        // Divided by the largest, so that no sum overflows or vanishes.
-        let largest = weights.iter().fold(0.0, |largest: f64, it| if it.1 > largest { it.1 } else { largest });
-        if !largest.is_finite() || largest <= 0.0 || weights.iter().any(|it| it.1.is_nan() || it.1 < 0.0) {
+        drawn(&weights, self.draw(env, 0, place)).ok_or_else(|| {
             let weights = weights.iter().map(|it| it.1).collect();
-            return Err(Fault::new(FaultKind::Weights { module: select.module.clone(), weights }, select.origin));
-        }
-        let total: f64 = weights.iter().map(|it| it.1 / largest).sum();
-        let mut rest = self.draw(env, 0, place) * total;
-        let mut chosen = 0;
-        for (number, weight) in weights.iter().filter(|it| it.1 > 0.0) {
-            chosen = *number;
-            rest -= weight / largest;
-            if rest < 0.0 {
-                break;
-            }
-        }
-        Ok(chosen)
+            Fault::new(FaultKind::Weights { module: select.module.clone(), weights }, select.origin)
+        })
     }
 
     /// The environment in which a system starts.
@@ -208,6 +195,44 @@ impl Machine<'_> {
         self.run(&system.vars, &mut env)?;
         Ok(env)
     }
+}
+
+/// Which of some numbered weights a uniform number from 0 to 1 falls to; one of 0 never wins. `None` if they cannot be drawn
+/// from.
+pub(crate) fn drawn(weights: &[(usize, f64)], uniform: f64) -> Option<usize> {
+    let largest = weights.iter().fold(0.0, |largest: f64, it| if it.1 > largest { it.1 } else { largest });
+    if !largest.is_finite() || largest <= 0.0 || weights.iter().any(|it| it.1.is_nan() || it.1 < 0.0) {
+        return None;
+    }
+    // Divided by the largest, so that no sum overflows or vanishes.
+    let total: f64 = weights.iter().map(|it| it.1 / largest).sum();
+    let mut rest = uniform * total;
+    let mut chosen = None;
+    for (number, weight) in weights.iter().filter(|it| it.1 > 0.0) {
+        chosen = Some(*number);
+        rest -= weight / largest;
+        if rest < 0.0 {
+            break;
+        }
+    }
+    chosen
+}
+
+/// The whole number that a value is: at least `least` and at most `most`.
+pub(super) fn whole(value: f64, what: &'static str, least: u32, most: u32, origin: Origin) -> Result<u32, Fault> {
+    let number = value as u32;
+    if f64::from(number) == value && (least..=most).contains(&number) {
+        return Ok(number);
+    }
+    if value.fract() != 0.0 || value < f64::from(least) {
+        return Err(Fault::new(FaultKind::Whole { what, value, least: f64::from(least) }, origin));
+    }
+    Err(Fault::new(FaultKind::Limit { limit: Limit::Repeat, most: u64::from(most) }, origin))
+}
+
+/// The place of the last operation of a code.
+fn last(code: &Code) -> Origin {
+    code.origins.last().copied().unwrap_or(Origin::NONE)
 }
 
 /// The step of a fault's trail that stands for an S-node in an environment.
@@ -274,7 +299,7 @@ pub(crate) fn unit(x: f64, y: f64, z: f64) -> Option<DVec3> {
 }
 
 /// The rotation by an angle in degrees about a unit axis (Rodrigues).
-fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
+pub(crate) fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     let (s, c) = angle::sin_cos(degrees);
     let column = |v: DVec3| v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
@@ -314,6 +339,7 @@ impl PrimitiveKind {
             Self::Hyperboloid => "hyperboloid",
             Self::Paraboloid => "paraboloid",
             Self::Quadric => "quadric",
+            Self::Segment => "segment",
         }
     }
 }

@@ -2,15 +2,21 @@
 
 pub(crate) mod angle;
 mod env;
+mod formula;
 mod machine;
 mod meaning;
 mod noise;
 pub(crate) mod operation;
 mod path;
+mod prepared;
+mod quick;
 mod random;
 
+pub(crate) use angle::{atan2 as angle_between, sin_cos};
 pub use env::Env;
+pub use formula::Formula;
 pub use machine::{Machine, Results};
-pub(crate) use meaning::{matrix, trail_step, unit};
-pub(crate) use path::spread;
+pub(crate) use meaning::{drawn, matrix, rotation, trail_step, unit};
+pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise};
 pub use path::{Path, Place};
+pub(crate) use path::{mix, spread};

@@ -4,6 +4,9 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+use smallvec::SmallVec;
+
 use super::{angle, noise, random};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{BinaryOp, Builtin, Draw, Origin, UnaryOp, Value, Vector};
@@ -97,7 +100,7 @@ pub(crate) fn binary(op: BinaryOp, a: &Value, b: &Value) -> Result<Value, Failur
 }
 
 /// `a % b` with the sign of b.
-fn remainder(a: f64, b: f64) -> f64 {
+pub(super) fn remainder(a: f64, b: f64) -> f64 {
     let rest = a % b;
     if rest != 0.0 && (rest < 0.0) != (b < 0.0) { rest + b } else { rest }
 }
@@ -156,7 +159,7 @@ fn divide(a: &Value, b: &Value) -> Result<Value, Failure> {
 
 /// `(a, b, ...)`
 pub(crate) fn vector(parts: &[&Value]) -> Result<Value, Failure> {
-    let numbers: Option<Vec<f64>> =
+    let numbers: Option<SmallVec<[f64; 4]>> =
         parts.iter().map(|it| if let Value::Number(it) = it { Some(*it) } else { None }).collect();
     numbers.and_then(|it| Vector::new(&it)).map(Value::Vector).ok_or_else(|| Failure::types("( , )", parts))
 }
@@ -210,15 +213,15 @@ pub(crate) fn distribute(draw: Draw, uniform: f64, args: &[&Value]) -> Result<Va
 /// `noise(p)` of a number or a vector of up to three parts.
 pub(crate) fn noise(seed: u64, args: &[&Value]) -> Result<Value, Failure> {
     let point = match args {
-        [Value::Number(x)] => [*x, 0.0, 0.0],
+        [Value::Number(x)] => DVec3::new(*x, 0.0, 0.0),
         [Value::Vector(it)] => match it.parts() {
-            [x, y] => [*x, *y, 0.0],
-            [x, y, z] => [*x, *y, *z],
+            [x, y] => DVec3::new(*x, *y, 0.0),
+            [x, y, z] => DVec3::new(*x, *y, *z),
             _ => return Err(Failure::types("noise", args)),
         },
         _ => return Err(Failure::types("noise", args)),
     };
-    sound(noise::gradient_noise(seed, point), "noise", args).map(Value::Number)
+    sound(noise::gradient_noise(seed, point).value, "noise", args).map(Value::Number)
 }
 
 /// The built-in functions that need nothing but their arguments.

@@ -2,8 +2,9 @@
 //!
 //! In comes a [`Scene`](crate::form::Scene); out come [`Pieces`], one after another, in the order written. Nothing is kept of what
 //! is passed, so what it takes does not grow with the number of primitives but with the nesting of the rules. The writers ask for
-//! a piece, write it, and ask for the next.
+//! a piece, write it, and ask for the next. What a shape derived to is written apart: [`write_form`].
 
+mod form;
 mod json;
 mod piece;
 mod pieces;
@@ -11,6 +12,7 @@ mod pov;
 mod pov_scene;
 mod pov_solid;
 
+pub use form::{PlacedSolid, write_form};
 pub use json::write_json;
 pub use piece::{Boolean, Piece, Placed};
 pub use pieces::Pieces;

@@ -8,12 +8,14 @@ use glam::DAffine3;
 use smallvec::SmallVec;
 
 use super::piece::{Boolean, Piece, Placed};
+use crate::derive;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, SelectId, Slot, SystemId};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, SelectId, ShapeId, Slot, SystemId};
+use crate::geometry::Part;
 use crate::limits::Limits;
 use crate::picture::Watch;
-use crate::trace::{CHOICE, COPY, OPERAND, Route};
+use crate::trace::{CHOICE, COPY, OPERAND, Route, shapes};
 
 /// All pieces of a scene, in the order written.
 ///
@@ -55,6 +57,8 @@ enum Task<'s> {
     End,
     /// A module or system ends.
     Leave(Entered),
+    /// A primitive to be told, and its place in the text.
+    Tell(Box<Placed>, Origin),
 }
 
 /// The operands of a Boolean.
@@ -102,6 +106,37 @@ impl Here {
     fn place(&self, kind: PrimitiveKind, parameters: SmallVec<[f64; 12]>) -> Placed {
         let Self { world_from_here: world_from_primitive, material, route, .. } = *self;
         Placed { kind, parameters, world_from_primitive, material, route: route.hash() }
+    }
+}
+
+/// Takes the parts of a shape, as things to be done.
+struct Parts<'h, 's> {
+    here: &'h Here,
+    tasks: Vec<Task<'s>>,
+}
+
+impl Parts<'_, '_> {
+    fn here(&self, system_from_part: &DAffine3, material: Option<MaterialId>, route: Route, env: Env) -> Here {
+        let Here { world_from_here, material: outer, inside, .. } = *self.here;
+        let route = if inside { self.here.route } else { self.here.route.then(route) };
+        Here { world_from_here: world_from_here * *system_from_part, material: material.or(outer), route, inside, env }
+    }
+}
+
+impl shapes::Taker for Parts<'_, '_> {
+    fn placed(&mut self, placed: derive::Placed<'_>) -> Result<(), Fault> {
+        let (system_from_frame, route) = shapes::way(&placed);
+        let here = self.here(&system_from_frame, placed.material, route, placed.env.clone());
+        self.tasks.push(Task::Go(placed.solid, here));
+        Ok(())
+    }
+
+    fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        let here = self.here(&part.stem_from_part, part.material, route, Env::default());
+        let parameters: &[f64] = part.parameters.as_ref().map_or(&[], |it| it);
+        let placed = here.place(part.primitive.kind(), parameters.into());
+        self.tasks.push(Task::Tell(Box::new(placed), part.origin));
+        Ok(())
     }
 }
 
@@ -157,6 +192,11 @@ impl<'s> Pieces<'s> {
             Task::EndOperand => return Ok(Some(Piece::EndOperand)),
             Task::End => return Ok(Some(Piece::End)),
             Task::Leave(_) => self.depth -= 1,
+            Task::Tell(placed, origin) => {
+                self.count(origin)?;
+                self.primitives += 1;
+                return Ok(Some(Piece::Primitive(*placed)));
+            }
         }
         Ok(None)
     }
@@ -235,8 +275,20 @@ impl<'s> Pieces<'s> {
                     self.enter(Entered::System(call.system, call.origin), call.origin)?;
                     node = graph.system(call.system).start;
                 }
+                Node::Shape(shape) => {
+                    self.derive(*shape, &here)?;
+                    return Ok(None);
+                }
             }
         }
+    }
+
+    /// Derives a shape; its parts are told one after the other.
+    fn derive(&mut self, shape: ShapeId, here: &Here) -> Result<(), Fault> {
+        let mut parts = Parts { here, tasks: Vec::new() };
+        shapes::parts(self.graph, shape, &here.env, self.machine.seed(), &self.limits, &mut parts)?;
+        self.tasks.extend(parts.tasks.into_iter().rev());
+        Ok(())
     }
 
     fn union(&mut self, operands: &'s [NodeId], next: usize, here: Here) {

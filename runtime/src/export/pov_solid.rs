@@ -119,7 +119,30 @@ fn unit(kind: PrimitiveKind, parameters: &[f64]) -> (String, DVec3) {
             let [squares, products, linear] = [[q1, q2, q3], [q4, q6, q5], [q7, q8, q9]].map(|it| Triple(it.into()));
             plain(&format!("quadric {{ {squares}, {products}, {linear}, {q0:?}"))
         }
+        (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => {
+            plain(&segment(radius, slope, lean, top, [x, y]))
+        }
         // Only a sphere is left: a piece has the parameters of its kind.
         _ => plain("sphere { 0, 1"),
     }
+}
+
+/// A cone that reaches beyond both cuts, and the cuts.
+fn segment(radius: f64, slope: f64, lean: f64, top: f64, [x, y]: [f64; 2]) -> String {
+    let steep = libm::hypot(x, y);
+    // How high the nappe's lines cross a plane where it is lowest and where it is highest.
+    let crossing = |height: f64, rise: f64| (height + radius * rise) / (1.0 - slope * rise);
+    let (low, high) = (crossing(0.0, -lean.abs()), crossing(top, steep));
+    let radius_at = |z: f64| (radius + slope * z).max(0.0);
+    let plane = |normal: DVec3, offset: f64| {
+        let length = normal.length();
+        format!("plane {{ {}, {:?} }}", Triple(normal / length), offset / length)
+    };
+    format!(
+        "intersection {{ cone {{ {low:?}*z, {:?}, {high:?}*z, {:?} }} {} {}",
+        radius_at(low),
+        radius_at(high),
+        plane(DVec3::new(lean, 0.0, -1.0), 0.0),
+        plane(DVec3::new(-x, -y, 1.0), top)
+    )
 }

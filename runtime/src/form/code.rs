@@ -59,6 +59,8 @@ pub enum Op {
     List(Reg, Box<[Reg]>),
     /// `list[index]`
     Index(Reg, Reg, Reg),
+    /// `list[index]`, of the list that a slot holds.
+    Element(Reg, Slot, Reg),
     /// `vector.x`, with 0 for x, 1 for y, 2 for z, 3 for the fourth.
     Part(Reg, Reg, u8),
     /// A built-in function.
@@ -208,13 +210,20 @@ pub struct Function {
     pub origin: Origin,
 }
 
+impl Code {
+    /// The slots it assigns.
+    pub fn stores(&self) -> impl Iterator<Item = Slot> {
+        self.ops.iter().filter_map(|it| if let Op::Store(slot, _) = it { Some(*slot) } else { None })
+    }
+}
+
 impl Op {
     /// The registers it names.
     pub(super) fn registers(&self) -> Vec<Reg> {
         let with = |to: &Reg, args: &[Reg]| std::iter::once(*to).chain(args.iter().copied()).collect();
         match self {
             Self::Constant(to, _) | Self::Load(to, _) | Self::Store(_, to) | Self::Param(to, _) => vec![*to],
-            Self::Copy(to, a) | Self::Unary(to, _, a) | Self::Part(to, a, _) => vec![*to, *a],
+            Self::Copy(to, a) | Self::Unary(to, _, a) | Self::Part(to, a, _) | Self::Element(to, _, a) => vec![*to, *a],
             Self::Binary(to, _, a, b) | Self::Index(to, a, b) => vec![*to, *a, *b],
             Self::Vector(to, args) | Self::List(to, args) | Self::Builtin(to, _, args) => with(to, args),
             Self::Call { to, args, .. } | Self::Draw { to, args, .. } => with(to, args),

@@ -1,6 +1,6 @@
 //! The cyclic CSG graph (GT95, section 2.2).
 
-use super::{Code, Function, FunctionId, MaterialId, Origin, PrimitiveKind, Slot};
+use super::{Code, Function, FunctionId, MaterialId, Origin, PrimitiveKind, Shape, ShapeId, Slot};
 
 /// Names a node of a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -25,7 +25,9 @@ pub struct Graph {
     selects: Vec<Select>,
     systems: Vec<System>,
     functions: Vec<Function>,
+    shapes: Vec<Shape>,
     root: SystemId,
+    stops_after: Option<u64>,
 }
 
 /// A node of a [`Graph`].
@@ -109,6 +111,8 @@ pub enum Node {
     Call(Call),
     /// A system used as a solid.
     System(SystemCall),
+    /// What a shape derives to, in the environment of its system.
+    Shape(ShapeId),
 }
 
 /// The kinds of T-node, each with the numbers its code gives. Angles are in degrees.
@@ -259,7 +263,7 @@ pub struct Formal {
 pub enum GraphError {
     /// A node names one that does not stand before it.
     NodeOrder(NodeId),
-    /// Something names a node, S-node, system, function, slot or register that is not there.
+    /// Something names a node, S-node, system, function, shape, module, slot or register that is not there.
     Missing(Origin),
     /// A code does not give as many results as are needed.
     Results(Origin),
@@ -281,9 +285,47 @@ impl Graph {
         functions: Vec<Function>,
         root: SystemId,
     ) -> Result<Self, GraphError> {
-        let graph = Self { nodes, selects, systems, functions, root };
+        Self::with_shapes(nodes, selects, systems, functions, Vec::new(), root)
+    }
+
+    /// The same with shapes, which its [`Node::Shape`]s name.
+    ///
+    /// # Errors
+    /// When the parts do not fit together; see [`GraphError`].
+    pub fn with_shapes(
+        nodes: Vec<Node>,
+        selects: Vec<Select>,
+        systems: Vec<System>,
+        functions: Vec<Function>,
+        shapes: Vec<Shape>,
+        root: SystemId,
+    ) -> Result<Self, GraphError> {
+        let graph = Self { nodes, selects, systems, functions, shapes, root, stops_after: None };
         graph.check()?;
         Ok(graph)
+    }
+
+    /// The graph with other nodes, S-nodes, systems and functions in the places of its own; `None` when they do not fit together.
+    pub(crate) fn with_parts(
+        &self,
+        nodes: Vec<Node>,
+        selects: Vec<Select>,
+        systems: Vec<System>,
+        functions: Vec<Function>,
+    ) -> Option<Self> {
+        let graph = Self::with_shapes(nodes, selects, systems, functions, self.shapes.clone(), self.root).ok()?;
+        Some(Self { stops_after: self.stops_after, ..graph })
+    }
+
+    /// The same graph, in which every derivation of a shape stops after so many rules: young plants.
+    #[must_use]
+    pub fn stopping_after(self, rules: u64) -> Self {
+        Self { stops_after: Some(rules), ..self }
+    }
+
+    /// After how many rules derivations stop, if they do not come to their end.
+    pub fn stops_after(&self) -> Option<u64> {
+        self.stops_after
     }
 
     /// Where the graph starts.
@@ -311,6 +353,11 @@ impl Graph {
         &self.functions
     }
 
+    /// All shapes.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
     /// A node. Ids come from the graph itself, so it is there.
     pub fn node(&self, id: NodeId) -> &Node {
         &self.nodes[id.0 as usize]
@@ -324,6 +371,11 @@ impl Graph {
     /// A system.
     pub fn system(&self, id: SystemId) -> &System {
         &self.systems[id.0 as usize]
+    }
+
+    /// A shape.
+    pub fn shape(&self, id: ShapeId) -> &Shape {
+        &self.shapes[id.0 as usize]
     }
 
     /// A function.

@@ -6,10 +6,14 @@ use super::{Code, Op, Origin, Reg};
 impl Graph {
     /// Looks whether the parts fit together.
     pub(super) fn check(&self) -> Result<(), GraphError> {
-        if [self.nodes().len(), self.selects().len(), self.systems().len(), self.functions().len()]
-            .iter()
-            .any(|it| u32::try_from(*it).is_err())
-        {
+        let tables = [
+            self.nodes().len(),
+            self.selects().len(),
+            self.systems().len(),
+            self.functions().len(),
+            self.shapes().len(),
+        ];
+        if tables.iter().any(|it| u32::try_from(*it).is_err()) {
             return Err(GraphError::TooLarge);
         }
         if self.root().0 as usize >= self.systems().len() {
@@ -33,6 +37,7 @@ impl Graph {
         for function in self.functions() {
             self.check_code(&function.code, Some(1), function.params, function.origin)?;
         }
+        self.shapes().iter().try_for_each(|it| self.check_shape(it))?;
         self.check_selects()
     }
 
@@ -100,6 +105,10 @@ impl Graph {
                 call.seed.iter().try_for_each(|it| self.check_code(it, Some(1), 0, call.origin))?;
                 self.check_code(&call.args, Some(call.given.len()), 0, call.origin)
             }
+            Node::Shape(shape) => {
+                let shape = self.shapes().get(shape.0 as usize).ok_or(GraphError::Missing(Origin::NONE))?;
+                shape.solids().try_for_each(before)
+            }
         }
     }
 
@@ -107,12 +116,18 @@ impl Graph {
         if (id.0 as usize) < self.nodes().len() { Ok(()) } else { Err(GraphError::Missing(origin)) }
     }
 
-    fn check_system_id(&self, id: SystemId, origin: Origin) -> Result<(), GraphError> {
+    pub(super) fn check_system_id(&self, id: SystemId, origin: Origin) -> Result<(), GraphError> {
         if (id.0 as usize) < self.systems().len() { Ok(()) } else { Err(GraphError::Missing(origin)) }
     }
 
     /// Looks at one code: that its registers and functions are there, and that its jumps go forward.
-    fn check_code(&self, code: &Code, results: Option<usize>, params: u16, origin: Origin) -> Result<(), GraphError> {
+    pub(super) fn check_code(
+        &self,
+        code: &Code,
+        results: Option<usize>,
+        params: u16,
+        origin: Origin,
+    ) -> Result<(), GraphError> {
         if results.is_some_and(|it| it != code.results.len()) || code.ops.len() != code.origins.len() {
             return Err(GraphError::Results(origin));
         }

@@ -9,7 +9,11 @@ mod graph_check;
 mod origin;
 mod primitive;
 mod scene;
+mod segments;
+mod texture;
 mod value;
+mod walk;
+mod walk_check;
 
 pub use code::{BinaryOp, Builtin, Code, Draw, Function, FunctionId, Op, Reg, Slot, UnaryOp};
 pub use graph::{
@@ -19,4 +23,7 @@ pub use graph::{
 pub use origin::Origin;
 pub use primitive::PrimitiveKind;
 pub use scene::{Background, Camera, ImageSettings, Lens, Material, MaterialId, Scene, Sky, Sun};
+pub use segments::{Segment, SegmentList, Stem, StemEnd, StemStart};
+pub use texture::{Fbm, Fourier, Pattern, Space, Texture, TextureId};
 pub use value::{Value, Vector};
+pub use walk::{Bracket, Module, ModuleId, Shape, ShapeId, Stride, Walk, WalkRule};

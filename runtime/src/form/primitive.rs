@@ -31,6 +31,9 @@ pub enum PrimitiveKind {
     /// q1 x² + q2 y² + q3 z² + q4 xy + q5 yz + q6 xz + q7 x + q8 y + q9 z + q0 <= 0.
     /// Parameters: q1 .. q9, q0.
     Quadric,
+    /// A frustum about z with its own cuts: what stems are made of. Parameters: the radius at z = 0, how much it grows with z, a, c,
+    /// p, q; inside a x <= z <= c + p x + q y.
+    Segment,
 }
 
 impl PrimitiveKind {
@@ -47,6 +50,7 @@ impl PrimitiveKind {
             Self::Cone | Self::Paraboloid => 2,
             Self::Ellipsoid | Self::Hyperboloid => 3,
             Self::HalfSpace => 4,
+            Self::Segment => 6,
             Self::Quadric => 10,
         }
     }

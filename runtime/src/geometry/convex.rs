@@ -12,6 +12,7 @@ use super::flat;
 use super::frustum::{BOTTOM, SIDE, TOP};
 use super::primitive::Primitive;
 use super::ray::Ray;
+use super::segment::CutCone;
 use crate::lanes::{Mask, Wide, Wide3};
 
 /// A primitive that a line meets in one chord at most, or in one crossing.
@@ -31,6 +32,8 @@ pub(crate) enum Convex {
     HalfSpace { normal: DVec3, offset: f64 },
     /// The triangle: no solid.
     Triangle,
+    /// The frustum between two cuts that stems are made of.
+    Segment(CutCone),
 }
 
 /// Lines, one a lane.
@@ -73,6 +76,7 @@ impl Convex {
             Self::Tetrahedron => tetrahedron(lanes, lines),
             Self::HalfSpace { normal, offset } => half_space(lanes, lines, normal, offset),
             Self::Triangle => triangle(lanes, lines),
+            Self::Segment(cone) => segment(lanes, lines, &cone),
         };
         pieces.met = pieces.met & !pieces.odd;
         pieces
@@ -95,6 +99,7 @@ impl Convex {
             Self::Tetrahedron => flat::tetrahedron_normal(face),
             Self::HalfSpace { normal, .. } => normal,
             Self::Triangle => DVec3::Z,
+            Self::Segment(cone) => cone.outwards(point, face),
         }
     }
 
@@ -108,6 +113,9 @@ impl Convex {
             Self::Ball | Self::Cylinder | Self::Cube | Self::Tetrahedron | Self::Triangle => 1.0,
             Self::Cone { r0, r1 } => r0.max(r1),
             Self::HalfSpace { normal, offset } => normal.abs().max_element().max(offset.abs()),
+            Self::Segment(CutCone { radius, slope, lean, top, rise }) => {
+                [slope, lean, top, rise.x, rise.y].iter().fold(radius.abs(), |most, it| most.max(it.abs()))
+            }
         }
     }
 
@@ -192,14 +200,41 @@ fn cylinder<S: Simd>(lanes: S, lines: &Lines<S>) -> Pieces<S> {
 
 #[inline(always)]
 fn cone<S: Simd>(lanes: S, lines: &Lines<S>, r0: f64, r1: f64) -> Pieces<S> {
+    let (near, far, met, odd) = nappe(lanes, lines, r0, r1 - r0, 0.5);
+    Pieces { odd, ..between_caps(lanes, lines, near, far, met) }
+}
+
+#[inline(always)]
+fn segment<S: Simd>(lanes: S, lines: &Lines<S>, cone: &CutCone) -> Pieces<S> {
+    let (near, far, met, odd) = nappe(lanes, lines, cone.radius, cone.slope, 0.5 * cone.top);
+    let (o, d) = (lines.origin, lines.direction);
+    let [lean, x, y] = [cone.lean, cone.rise.x, cone.rise.y].map(|it| number(lanes, it));
+    let above = |v: Wide3<S>| x * v.x + y * v.y - v.z;
+    let pieces = Clip { lanes, near, far, met }
+        .cut(BOTTOM, o.z - lean * o.x, lean * d.x - d.z)
+        .cut(TOP, above(o) + number(lanes, cone.top), -above(d))
+        .pieces();
+    Pieces { odd, ..pieces }
+}
+
+/// Where lines lie inside the nappe with this radius at z = 0 and this slope, about a place at this height: both ends, which lines
+/// do, and which are to be asked about one by one.
+#[inline(always)]
+fn nappe<S: Simd>(
+    lanes: S,
+    lines: &Lines<S>,
+    radius: f64,
+    slope: f64,
+    height: f64,
+) -> (Side<S>, Side<S>, Mask<S>, Mask<S>) {
     let (o, d) = (lines.origin, lines.direction);
     let (zero, infinity) = (number(lanes, 0.0), number(lanes, f64::INFINITY));
     // About the place nearest the middle, numbers are small.
-    let from_middle = Wide3 { z: o.z - number(lanes, 0.5), ..o };
+    let from_middle = Wide3 { z: o.z - number(lanes, height), ..o };
     let shift = -(from_middle.dot(d)) / d.dot(d);
     let p = o + d * shift;
-    let slope = number(lanes, r1 - r0);
-    let (radius, speed) = (number(lanes, r0) + slope * p.z, slope * d.z);
+    let slope = number(lanes, slope);
+    let (radius, speed) = (number(lanes, radius) + slope * p.z, slope * d.z);
     let a = d.x * d.x + d.y * d.y - speed * speed;
     let b = p.x * d.x + p.y * d.y - radius * speed;
     let c = p.x * p.x + p.y * p.y - radius * radius;
@@ -221,9 +256,7 @@ fn cone<S: Simd>(lanes: S, lines: &Lines<S>, r0: f64, r1: f64) -> Pieces<S> {
     let (rising, first, second) = (speed.gt(zero), first + shift, second + shift);
     let near = shallow.select(first, rising.select(second, -infinity));
     let far = shallow.select(second, rising.select(infinity, first));
-    let mut pieces = between_caps(lanes, lines, side(lanes, near, SIDE), side(lanes, far, SIDE), met);
-    pieces.odd = a.equals(zero);
-    pieces
+    (side(lanes, near, SIDE), side(lanes, far, SIDE), met, a.equals(zero))
 }
 
 /// What lies between the caps.

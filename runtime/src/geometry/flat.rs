@@ -8,7 +8,7 @@ use super::solve::power_of_two_below;
 
 /// The piece of a line that lies behind some planes.
 #[derive(Clone, Copy, Debug)]
-struct Clip {
+pub(super) struct Clip {
     near: Crossing,
     far: Crossing,
 }
@@ -18,11 +18,17 @@ impl Clip {
     const ALL: Self =
         Self { near: Crossing { t: f64::NEG_INFINITY, face: 0 }, far: Crossing { t: f64::INFINITY, face: 0 } };
 
+    /// The piece between two crossings.
+    #[inline]
+    pub(super) fn new(near: Crossing, far: Crossing) -> Self {
+        Self { near, far }
+    }
+
     /// Cuts off what lies in front of a plane, that the line is `distance` behind at t = 0 and nears by `speed`.
     ///
     /// A line along the plane is behind it all the way or never, and never if it starts on it.
     #[inline]
-    fn cut(self, face: u8, distance: f64, speed: f64, from: Option<u8>) -> Option<Self> {
+    pub(super) fn cut(self, face: u8, distance: f64, speed: f64, from: Option<u8>) -> Option<Self> {
         let starts_here = from == Some(face);
         if speed == 0.0 {
             return (0.0 <= distance && !starts_here).then_some(self);
@@ -36,7 +42,7 @@ impl Clip {
     }
 
     #[inline]
-    fn chord(self) -> Option<Chord> {
+    pub(super) fn chord(self) -> Option<Chord> {
         Chord::new(self.near, self.far)
     }
 }

@@ -84,7 +84,7 @@ pub(super) fn normal(r0: f64, r1: f64, point: DVec3, face: u8) -> DVec3 {
 }
 
 /// The normal leans against the axis by the slope, and is the same all along a generator.
-fn side_normal(slope: f64, point: DVec3) -> DVec3 {
+pub(super) fn side_normal(slope: f64, point: DVec3) -> DVec3 {
     let outwards = unit(point.with_z(0.0));
     if outwards.z != 0.0 {
         // On the axis: the apex points away from the wide end. A cylinder has no such point; any way out will do.

@@ -1,6 +1,6 @@
 //! The unit primitives.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::aabb::Aabb;
 use super::ball;
@@ -10,6 +10,7 @@ use super::flat::{self, HalfSpace};
 use super::frustum;
 use super::quadric::Quadric;
 use super::ray::Ray;
+use super::segment::{CutCone, Wrap};
 use super::sheet;
 use super::solve::{power_of_two_below, unit};
 use super::torus;
@@ -17,7 +18,7 @@ use crate::form::PrimitiveKind;
 
 /// One of the unit solids (or surfaces) that scenes are made of, in its own frame.
 ///
-/// **Faces** are numbered: those of a cylinder or a cone 0 round, 1 at z = 0, 2 at z = 1; those of a box x = -1, x = 1, y = -1,
+/// **Faces** are numbered: those of a cylinder, a cone or a segment 0 round, 1 below, 2 above; those of a box x = -1, x = 1, y = -1,
 /// y = 1, z = -1, z = 1; the face of a tetrahedron lies opposite the vertex of its number in the list of [`PrimitiveKind`]. All
 /// others have face 0 alone.
 ///
@@ -43,14 +44,16 @@ enum Shape {
     Hyperboloid { axes: DVec3 },
     Paraboloid { axes: DVec3 },
     Quadric(Quadric),
+    Segment(CutCone),
 }
 
 impl Primitive {
     /// The primitive of this kind with these parameters, in the order of [`PrimitiveKind`].
     ///
     /// `None` when they make no solid: a wrong count, a number that is not finite, a negative radius or two that are 0, a
-    /// radius of a torus or a half axis that is not positive, a half-space without a normal, a quadric whose q1 to q9 are 0. A
-    /// torus may have r > 1 (then it has no hole), and a quadric may be imaginary: it is empty.
+    /// radius of a torus or a half axis that is not positive, a half-space without a normal, a quadric whose q1 to q9 are 0, cuts
+    /// of a segment that miss its nappe or each other. A torus may have r > 1 (then it has no hole), and a quadric may be
+    /// imaginary: it is empty.
     pub fn new(kind: PrimitiveKind, params: &[f64]) -> Option<Self> {
         if !params.iter().all(|it| it.is_finite()) {
             return None;
@@ -70,9 +73,17 @@ impl Primitive {
             (PrimitiveKind::Quadric, &[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0]) => {
                 Shape::Quadric(Quadric::new(&[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0])?)
             }
+            (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => {
+                Shape::Segment(CutCone::new(radius, slope, lean, top, DVec2::new(x, y))?)
+            }
             _ => return None,
         };
         Some(Self { shape })
+    }
+
+    /// Texture coordinates of a point on the surface: once round the axis, from 0 to below 1, and along it. Only segments have them.
+    pub fn texture(&self, point: DVec3, wrap: &Wrap) -> Option<[f64; 2]> {
+        if let Shape::Segment(cone) = &self.shape { Some(cone.texture(point, wrap)) } else { None }
     }
 
     /// The primitive that this convex one is.
@@ -85,6 +96,7 @@ impl Primitive {
             Convex::Tetrahedron => Shape::Tetrahedron,
             Convex::HalfSpace { normal, offset } => Shape::HalfSpace(HalfSpace { normal, offset }),
             Convex::Triangle => Shape::Triangle,
+            Convex::Segment(cone) => Shape::Segment(cone),
         };
         Self { shape }
     }
@@ -102,6 +114,7 @@ impl Primitive {
             Shape::Tetrahedron => Convex::Tetrahedron,
             Shape::Triangle => Convex::Triangle,
             Shape::HalfSpace(HalfSpace { normal, offset }) => Convex::HalfSpace { normal, offset },
+            Shape::Segment(cone) => Convex::Segment(cone),
             Shape::Hyperboloid { .. } | Shape::Paraboloid { .. } | Shape::Torus { .. } | Shape::Quadric(_) => {
                 return None;
             }
@@ -124,6 +137,7 @@ impl Primitive {
             Shape::Hyperboloid { .. } => PrimitiveKind::Hyperboloid,
             Shape::Paraboloid { .. } => PrimitiveKind::Paraboloid,
             Shape::Quadric(_) => PrimitiveKind::Quadric,
+            Shape::Segment(_) => PrimitiveKind::Segment,
         }
     }
 
@@ -158,6 +172,7 @@ impl Primitive {
             Shape::Hyperboloid { axes } => sheet::hyperboloid_support(*axes * direction),
             Shape::Paraboloid { axes } => sheet::paraboloid_support(*axes * direction),
             Shape::Quadric(quadric) => quadric.support(direction),
+            Shape::Segment(cone) => cone.support(direction),
         }
     }
 
@@ -201,6 +216,7 @@ impl Primitive {
             Shape::Paraboloid { axes } => {
                 Chord::of_span(sheet::paraboloid(origin / axes, direction / axes, from.is_some())?)
             }
+            Shape::Segment(cone) => cone.chord(ray, from),
             Shape::Triangle | Shape::Torus { .. } | Shape::Quadric(_) => None,
         }
     }
@@ -236,7 +252,7 @@ impl Primitive {
     pub(crate) fn is_flat(&self, face: u8) -> bool {
         match self.shape {
             Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) => true,
-            Shape::Cylinder | Shape::Cone { .. } => face != frustum::SIDE,
+            Shape::Cylinder | Shape::Cone { .. } | Shape::Segment(_) => face != frustum::SIDE,
             Shape::Sphere
             | Shape::Ellipsoid { .. }
             | Shape::Torus { .. }
@@ -263,6 +279,7 @@ impl Primitive {
             Shape::Hyperboloid { axes } => unit(sheet::hyperboloid_gradient(point / axes) / axes),
             Shape::Paraboloid { axes } => unit(sheet::paraboloid_gradient(point / axes) / axes),
             Shape::Quadric(quadric) => quadric.normal(point),
+            Shape::Segment(cone) => cone.normal(point, face),
         }
     }
 }

@@ -15,8 +15,8 @@ const FOV: f64 = 30.0;
 const FROM: DVec3 = DVec3::new(0.52, -0.78, 0.36);
 /// How much of the frame is filled.
 const PART: f64 = 0.86;
-/// How many rays a side look where in the box things are.
-const PROBES: u32 = 64;
+/// How many rays a side look where in the box things are: enough to meet the twigs of a tree.
+const PROBES: u32 = 160;
 /// How much of the box's height may be ground.
 const GROUND: f64 = 0.01;
 /// The camera stands at multiples of this part of the box's size, so that it does not depend on the last bits of a hit.

@@ -63,6 +63,8 @@ pub struct Item {
     pub group_from_item: DAffine3,
     /// The innermost paint between the group and the part; what is inside the part and has its own paint keeps that.
     pub material: Option<MaterialId>,
+    /// The frame in which that paint stands, in the group's, if its look depends on it.
+    pub group_from_paint: Option<Box<DAffine3>>,
     /// The choices and copies between the group and the part.
     pub route: Route,
     /// What it is.
@@ -103,22 +105,31 @@ pub(super) enum Fixed {
 pub struct Expander<'s> {
     pub(super) graph: &'s Graph,
     pub(super) limits: Limits,
+    pub(super) seed: u64,
+    /// By number of the material: whether its look depends on the frame in which its paint stands.
+    in_place: Box<[bool]>,
     liveness: Liveness,
     fixed: Vec<Fixed>,
-    seed: u64,
 }
 
 impl<'s> Expander<'s> {
     /// An expander for a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
         let graph = &scene.graph;
+        let materials = 0..scene.materials.len() as u32;
         Self {
             graph,
             limits: *limits,
+            seed: scene.seed,
+            in_place: materials.map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
             liveness: Liveness::of(graph),
             fixed: graph.nodes().iter().map(fixed).collect(),
-            seed: scene.seed,
         }
+    }
+
+    /// Whether a material's look depends on the frame in which its paint stands.
+    pub(super) fn is_in_place(&self, material: MaterialId) -> bool {
+        self.in_place.get(material.0 as usize).is_some_and(|it| *it)
     }
 
     /// The state of the whole scene.
@@ -238,7 +249,7 @@ impl<'s> Expander<'s> {
     }
 
     /// An environment of a state: what is not live is 0.
-    fn env(&self, state: &State) -> Env {
+    pub(super) fn env(&self, state: &State) -> Env {
         let system = match state.entry {
             Entry::Select(id) => self.graph.select(id).system,
             Entry::System(id) => id,

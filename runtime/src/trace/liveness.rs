@@ -5,7 +5,7 @@
 //! values have few states, however deep they go.
 
 use crate::form::{
-    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Slot, SystemCall, SystemId,
+    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Shape, Slot, Stride, SystemCall, SystemId,
 };
 
 /// What is live somewhere.
@@ -107,6 +107,7 @@ impl Liveness {
             Node::Difference(first, others) => joined(all(others), at(first)),
             Node::Call(call) => self.call_reads(graph, functions, call),
             Node::System(call) => self.system_reads(graph, functions, call),
+            Node::Shape(shape) => shape_reads(graph.shape(*shape), functions, at),
         }
     }
 
@@ -150,13 +151,27 @@ fn select_reads<'a>(select: &Select, functions: &[Live], at: impl Fn(NodeId) -> 
     live
 }
 
+/// What a shape reads. What it assigns before reading it is counted too, which does no harm: nobody else gives that a value.
+fn shape_reads<'a>(shape: &Shape, functions: &[Live], at: impl Fn(&NodeId) -> &'a Live) -> Live {
+    let path = shape.modules.iter().any(|it| matches!(it.choice, Choice::Weighted(_)));
+    let mut live = Live { path, ..Live::default() };
+    for walk in shape.walks() {
+        walk.visit(&mut |stride| match stride {
+            Stride::Place { solid, .. } => live.add(at(solid)),
+            _ => stride.code().iter().for_each(|it| live.add(&reads(it.0, functions).0)),
+        });
+    }
+    shape.selections().for_each(|it| live.add(&reads(it, functions).0));
+    live
+}
+
 /// What a code reads before it assigns it, and what it assigns.
 fn reads(code: &Code, functions: &[Live]) -> (Live, Vec<Slot>) {
     let mut live = Live::default();
     let mut written = Vec::new();
     for op in &code.ops {
         match op {
-            Op::Load(_, slot) if !written.contains(slot) => live.add_slot(*slot),
+            Op::Load(_, slot) | Op::Element(_, slot, _) if !written.contains(slot) => live.add_slot(*slot),
             Op::Store(slot, _) => written.push(*slot),
             Op::Draw { .. } => live.path = true,
             Op::Call { function, .. } => live.add(&functions[function.0 as usize].clone().without(&written)),

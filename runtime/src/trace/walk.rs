@@ -4,10 +4,12 @@ use glam::DAffine3;
 
 use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State};
 use super::route::Route;
+use super::shapes;
+use crate::derive::Placed;
 use crate::eval::{Env, Machine};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, Slot, Value};
-use crate::geometry::Primitive;
+use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, ShapeId, Slot, Value};
+use crate::geometry::{Part, Primitive};
 
 // What tells the kinds of steps of a route apart.
 pub(crate) const CHOICE: u64 = 0x1000_0000_0000_0000;
@@ -19,13 +21,15 @@ pub(crate) const OPERAND: u64 = 0x3000_0000_0000_0000;
 pub(super) struct Here {
     group_from_here: DAffine3,
     material: Option<MaterialId>,
+    /// See [`Item::group_from_paint`].
+    group_from_paint: Option<DAffine3>,
     route: Route,
 }
 
 impl Here {
     /// Where a group begins.
     pub(super) fn at(route: Route) -> Self {
-        Self { group_from_here: DAffine3::IDENTITY, material: None, route }
+        Self { group_from_here: DAffine3::IDENTITY, material: None, group_from_paint: None, route }
     }
 
     fn then(self, step: u64) -> Self {
@@ -101,6 +105,7 @@ impl<'e, 's> Walk<'e, 's> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
+                    here.group_from_paint = self.expander.is_in_place(*material).then_some(here.group_from_here);
                     node = *body;
                 }
                 Node::Variant { count, body, origin } => {
@@ -139,8 +144,18 @@ impl<'e, 's> Walk<'e, 's> {
                     let state = self.expander.state(Entry::System(call.system), &env);
                     return self.put(group, &here.then(call.place), Solid::Instance(state, call.origin), call.origin);
                 }
+                Node::Shape(shape) => return self.derive(group, *shape, &here),
             }
         }
+    }
+
+    /// Adds what a shape derives to to a group. (Apart, since a derivation takes more stack than a step down the graph.)
+    #[inline(never)]
+    fn derive(&mut self, group: &mut Group, shape: ShapeId, here: &Here) -> Result<(), Fault> {
+        let Expander { graph, seed, limits, .. } = self.expander;
+        let env = self.env.clone();
+        let mut taker = InGroup { walk: self, group, here };
+        shapes::parts(graph, shape, &env, *seed, limits, &mut taker)
     }
 
     /// Notes what stands in the slots that a code assigns.
@@ -187,13 +202,13 @@ impl<'e, 's> Walk<'e, 's> {
 
     /// The state behind a call: its arguments, and of what it sees here only what is live there.
     fn enter(&mut self, call: &Call) -> Result<State, Fault> {
-        self.machine.evaluate(&call.args, &mut self.env)?;
+        self.machine.run_here(&call.args, &mut self.env)?;
         let entry = Entry::Select(call.select);
         let live = self.expander.live(entry);
         let params = &self.expander.graph.select(call.select).params;
         let value = |slot: &Slot| {
             let argument = params.iter().rposition(|it| it == slot);
-            let argument = argument.and_then(|it| self.machine.result(&call.args, it));
+            let argument = argument.and_then(|it| call.args.results.get(it)).map(|it| self.machine.result(*it));
             argument.unwrap_or(&self.env.slots[usize::from(slot.0)]).clone()
         };
         let slots = live.slots.iter().map(value).collect();
@@ -206,8 +221,54 @@ impl<'e, 's> Walk<'e, 's> {
             .left
             .checked_sub(1)
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
-        let Here { group_from_here: group_from_item, material, route } = *here;
-        group.items.push(Item { group_from_item, material, route, solid });
+        let Here { group_from_here: group_from_item, material, group_from_paint, route } = *here;
+        let group_from_paint = group_from_paint.map(Box::new);
+        group.items.push(Item { group_from_item, material, group_from_paint, route, solid });
+        Ok(())
+    }
+}
+
+/// Takes the parts of a shape into a group.
+struct InGroup<'w, 'e, 's> {
+    walk: &'w mut Walk<'e, 's>,
+    group: &'w mut Group,
+    here: &'w Here,
+}
+
+impl InGroup<'_, '_, '_> {
+    /// Where the paint of a part stands, if its look depends on that: one that a walk gives stands where the plant does.
+    fn group_from_paint(&self, own: Option<MaterialId>) -> Option<DAffine3> {
+        let Some(own) = own else {
+            return self.here.group_from_paint;
+        };
+        self.walk.expander.is_in_place(own).then_some(self.here.group_from_here)
+    }
+}
+
+impl shapes::Taker for InGroup<'_, '_, '_> {
+    fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
+        let (system_from_frame, route) = shapes::way(&placed);
+        let inner = Here {
+            group_from_here: self.here.group_from_here * system_from_frame,
+            material: placed.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(placed.material),
+            route: self.here.route.then(route),
+        };
+        let outer = std::mem::replace(&mut self.walk.env, placed.env.clone());
+        let added = self.walk.add(self.group, placed.solid, inner);
+        self.walk.env = outer;
+        added
+    }
+
+    fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        // Segments have a limit of their own.
+        self.group.items.push(Item {
+            group_from_item: self.here.group_from_here * part.stem_from_part,
+            material: part.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(part.material).map(Box::new),
+            route: self.here.route.then(route),
+            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
+        });
         Ok(())
     }
 }

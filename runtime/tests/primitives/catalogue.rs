@@ -22,6 +22,13 @@ const CATALOGUE: &[(PrimitiveKind, &[f64])] = &[
     (PrimitiveKind::Cone, &[0.75, 0.75]),
     (PrimitiveKind::Cone, &[0.1, 0.1 - 1e-12]),
     (PrimitiveKind::Cone, &[0.001, 0.002]),
+    // Segments: square cuts, cuts that lean apart, a tip, a cylinder, one that is nearly flat, a thin one.
+    (PrimitiveKind::Segment, &[1.0, -0.5, 0.0, 1.0, 0.0, 0.0]),
+    (PrimitiveKind::Segment, &[0.5, 0.25, 0.75, 1.5, 0.45, -0.6]),
+    (PrimitiveKind::Segment, &[0.75, -0.5, 0.75, 1.5, 0.0, 0.0]),
+    (PrimitiveKind::Segment, &[0.25, 0.0, 0.75, 1.25, -0.75, 0.25]),
+    (PrimitiveKind::Segment, &[1.0, 8.0, 0.0, 0.125, 0.0, 0.0625]),
+    (PrimitiveKind::Segment, &[0.01, 0.005, 0.75, 1.25, 0.0, 0.0]),
     (PrimitiveKind::Box, &[]),
     (PrimitiveKind::Tetrahedron, &[]),
     (PrimitiveKind::Torus, &[0.3]),
@@ -79,6 +86,11 @@ impl Sample {
                 let &[r0, r1] = params else { return [across - 1.0, -p.z, p.z - 1.0][usize::from(face)] };
                 [across - r0 - (r1 - r0) * p.z, -p.z, p.z - 1.0][usize::from(face)]
             }
+            (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => match face {
+                0 => across - radius - slope * p.z,
+                1 => (lean * p.x - p.z) / (1.0 + lean * lean).sqrt(),
+                _ => (p.z - top - x * p.x - y * p.y) / (1.0 + x * x + y * y).sqrt(),
+            },
             (PrimitiveKind::Box, _) => {
                 let part = p[usize::from(face / 2)];
                 if face.is_multiple_of(2) { -1.0 - part } else { part - 1.0 }
@@ -110,7 +122,7 @@ impl Sample {
     /// How many faces it has.
     pub(crate) fn faces(&self) -> u8 {
         match self.kind {
-            PrimitiveKind::Cylinder | PrimitiveKind::Cone => 3,
+            PrimitiveKind::Cylinder | PrimitiveKind::Cone | PrimitiveKind::Segment => 3,
             PrimitiveKind::Box => 6,
             PrimitiveKind::Tetrahedron => 4,
             _ => 1,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use treegen_runtime::form::PrimitiveKind;
-use treegen_runtime::geometry::{Primitive, Ray};
+use treegen_runtime::geometry::{Primitive, Ray, Wrap};
 
 use crate::catalogue::{Numbers, solids};
 
@@ -46,7 +46,7 @@ fn a_solid_keeps_its_kind() {
 
 #[test]
 fn numbers_that_make_no_sense_make_no_solid() {
-    let cases: [(PrimitiveKind, &[f64]); 13] = [
+    let cases: [(PrimitiveKind, &[f64]); 18] = [
         (PrimitiveKind::Cone, &[0.0, 0.0]),
         (PrimitiveKind::Cone, &[-1.0, 1.0]),
         (PrimitiveKind::Cone, &[1.0, -1.0]),
@@ -58,6 +58,13 @@ fn numbers_that_make_no_sense_make_no_solid() {
         (PrimitiveKind::Ellipsoid, &[1.0, 1.0, -1.0]),
         (PrimitiveKind::Hyperboloid, &[0.0, 1.0, 1.0]),
         (PrimitiveKind::Paraboloid, &[1.0, 0.0]),
+        // A cut that crosses the nappe only in part, one beyond the apex, two that cross each other inside, two the wrong way
+        // round, and no radius at all.
+        (PrimitiveKind::Segment, &[1.0, 1.0, 1.5, 2.0, 0.0, 0.0]),
+        (PrimitiveKind::Segment, &[1.0, -1.0, 0.0, 1.5, 0.0, 0.0]),
+        (PrimitiveKind::Segment, &[1.0, 0.0, 0.75, 0.5, -0.75, 0.0]),
+        (PrimitiveKind::Segment, &[1.0, 0.0, 0.0, -0.5, 0.0, 0.0]),
+        (PrimitiveKind::Segment, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
         (PrimitiveKind::Quadric, &[0.0; 10]),
         (PrimitiveKind::Quadric, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0]),
     ];
@@ -118,6 +125,46 @@ fn solids_of_random_bits_break_nothing() {
         }
         assert!(made > 100, "{kind:?} {made}");
     }
+}
+
+#[test]
+fn a_number_of_a_segment_that_is_not_finite_makes_none() {
+    let params = [0.5, -0.25, 0.1, 1.0, -0.1, 0.2];
+    assert!(Primitive::new(PrimitiveKind::Segment, &params).is_some());
+    for place in 0..params.len() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut params = params;
+            params[place] = bad;
+            assert!(Primitive::new(PrimitiveKind::Segment, &params).is_none(), "{params:?}");
+        }
+    }
+}
+
+#[test]
+fn segments_of_random_bits_break_nothing() {
+    let mut numbers = Numbers(73);
+    let mut made = 0;
+    for _ in 0..20_000 {
+        // One that is a segment, but for some of its numbers.
+        let mut params = [0.5, -0.25, 0.1, 1.0, -0.1, 0.2];
+        for _ in 0..2 {
+            params[(numbers.bits() % 6) as usize] = f64::from_bits(numbers.bits());
+        }
+        if let Some(primitive) = Primitive::new(PrimitiveKind::Segment, &params) {
+            made += 1;
+            let ray = numbers.ray();
+            for from in [None, Some(0), Some(1), Some(2)] {
+                check(&primitive, &ray, from);
+            }
+            let bounds = primitive.bounds();
+            assert!(!bounds.min.is_nan() && !bounds.max.is_nan(), "{primitive:?} {bounds:?}");
+            let texture = primitive
+                .texture(ray.origin, &Wrap { turn: numbers.number(), along: [0.0, 1.0] })
+                .expect("a segment has texture coordinates");
+            assert!((0.0..1.0).contains(&texture[0]) && (0.0..=1.0).contains(&texture[1]), "{params:?} {texture:?}");
+        }
+    }
+    assert!(made > 1_000, "{made}");
 }
 
 /// Whatever comes back is sorted and has no end that is not a number.

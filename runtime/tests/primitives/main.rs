@@ -10,5 +10,6 @@ mod extents;
 mod flat_faces;
 mod hostile;
 mod measures;
+mod segments;
 mod special_rays;
 mod surface_rays;

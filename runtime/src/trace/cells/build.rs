@@ -21,7 +21,7 @@ use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::{Group, Route, Solid, State};
+use crate::trace::{Group, Item, Route, Solid, State};
 
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
@@ -81,6 +81,8 @@ struct Draft {
 struct Way {
     state_from_inner: DAffine3,
     material: Option<MaterialId>,
+    /// The frame in which that paint stands, if its look depends on it.
+    state_from_paint: Option<DAffine3>,
     route: Route,
     frozen: bool,
     levels: u32,
@@ -98,16 +100,33 @@ impl Way {
     const START: Self = Self {
         state_from_inner: DAffine3::IDENTITY,
         material: None,
+        state_from_paint: None,
         route: Route::START,
         frozen: false,
         levels: 0,
         small: false,
     };
 
-    fn to(self, outer_from_inner: &DAffine3, material: Option<MaterialId>, route: Route) -> Self {
+    fn to_piece(self, piece: &Piece) -> Self {
+        self.to(&piece.outer_from_inner, piece.material, piece.outer_from_paint.as_deref(), piece.route)
+    }
+
+    fn to_item(self, item: &Item) -> Self {
+        self.to(&item.group_from_item, item.material, item.group_from_paint.as_deref(), item.route)
+    }
+
+    fn to(
+        self,
+        outer_from_inner: &DAffine3,
+        material: Option<MaterialId>,
+        outer_from_paint: Option<&DAffine3>,
+        route: Route,
+    ) -> Self {
+        let own = || outer_from_paint.map(|it| self.state_from_inner * *it);
         Self {
             state_from_inner: self.state_from_inner * *outer_from_inner,
             material: material.or(self.material),
+            state_from_paint: if material.is_some() { own() } else { self.state_from_paint },
             route: if self.frozen { self.route } else { self.route.then(route) },
             ..self
         }
@@ -119,7 +138,7 @@ impl Way {
 /// It calls itself for Booleans, whose nesting the grammar limits, and for small states, which are not deep.
 fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
     for piece in pieces {
-        let way = way.to(&piece.outer_from_inner, piece.material, piece.route);
+        let way = way.to_piece(piece);
         let shape = match &piece.shape {
             Shape::Leaf(primitive, origin) => Outline::Leaf(**primitive, *origin),
             Shape::Instance(state, origin) => {
@@ -187,7 +206,7 @@ fn draft_afresh(
 
 fn draft_group(shop: &mut Workshop, group: Group, way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
     for item in group.items {
-        let way = way.to(&item.group_from_item, item.material, item.route);
+        let way = way.to_item(&item);
         let shape = match item.solid {
             Solid::Leaf { primitive, origin } => Outline::Leaf(primitive, origin),
             Solid::Instance(state, origin) if shop.store.survey.is_rare(&state) => {
@@ -411,8 +430,13 @@ impl Layout<'_, '_, '_> {
 
     fn part(&mut self, member: Ref, way: &Way, origin: Origin) -> u32 {
         let Way { material, route, frozen, levels, .. } = *way;
+        let part = self.cell.parts.len() as u32;
         self.cell.parts.push(Part { member, material, route, frozen, origin, levels });
-        self.cell.parts.len() as u32 - 1
+        if let Some(state_from_paint) = way.state_from_paint {
+            let paint_from_cell = inverse(&state_from_paint) * self.frame.state_from_cell();
+            self.cell.painted.push((part, paint_from_cell));
+        }
+        part
     }
 
     fn boolean(&mut self, difference: bool, operands: Vec<Vec<Draft>>) -> Result<(Ref, Aabb), Fault> {

@@ -21,6 +21,7 @@ mod ending;
 mod measure;
 mod packet;
 mod piece;
+mod plants;
 mod proxy;
 mod ray;
 mod resolve;

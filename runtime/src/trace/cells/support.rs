@@ -82,10 +82,13 @@ impl Workshop<'_, '_> {
         for piece in &*self.pieces(state)? {
             let map = &piece.outer_from_inner;
             let own = match &piece.shape {
-                Shape::Instance(inner, _) if self.loose(*inner)?.bounds.is_finite() => {
-                    let loose = self.loose_through(*inner, map)?.bounds;
-                    let slack = 1e-4 * (loose.max - loose.min).max_element();
-                    self.bounds_of(Of::Itself, *inner, map, slack)?
+                Shape::Instance(inner, _) => {
+                    let loose = self.loose_through(*inner, map)?;
+                    let size = (loose.bounds.max - loose.bounds.min).max_element();
+                    // What is not known to be finite may yet be, once one looks into it.
+                    let slack = if size.is_finite() { 1e-4 * size } else { 0.0 };
+                    let bounds = self.bounds_of(Of::Itself, *inner, map, slack)?;
+                    if bounds.is_finite() { bounds } else { loose.finite }
                 }
                 _ => self.loose_of(piece)?.finite,
             };

@@ -219,15 +219,30 @@ impl<'a, 's> Workshop<'a, 's> {
     }
 
     fn extent(&mut self, number: u32) -> Result<&Extent, Fault> {
-        let store = self.store;
-        let bench = self.bench();
-        let known = &mut bench.known[number as usize];
-        if known.extent.is_none() {
-            let live = store.expander.live_slots(known.state.entry);
-            known.extent = Some(Box::new(store.survey.extent(&mut bench.scout, &known.state, live)?));
-            bench.bytes += size_of::<Extent>();
+        if self.bench().known[number as usize].extent.is_none() {
+            let state = self.state(number);
+            let extent = self.surveyed(&state)?;
+            // What a shape derives to is known only when it has been derived.
+            if self.store.survey.bears_shapes(state.entry) {
+                self.know_plants(number, extent)?;
+            } else {
+                self.know(number, extent);
+            }
         }
-        Ok(bench.known[number as usize].extent.get_or_insert_with(|| Box::new(Extent::ALL)))
+        Ok(self.bench().known[number as usize].extent.get_or_insert_with(|| Box::new(Extent::ALL)))
+    }
+
+    /// What a state amounts to by abstract states.
+    pub(super) fn surveyed(&mut self, state: &State) -> Result<Extent, Fault> {
+        let store = self.store;
+        store.survey.extent(&mut self.bench().scout, state, store.expander.live_slots(state.entry))
+    }
+
+    /// Keeps what a state amounts to.
+    pub(super) fn know(&mut self, number: u32, extent: Extent) {
+        let bench = self.bench();
+        bench.bytes += size_of::<Extent>();
+        bench.known[number as usize].extent = Some(Box::new(extent));
     }
 
     /// The loose bounds of a state.

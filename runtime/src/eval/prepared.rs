@@ -1,0 +1,343 @@
+//! What formulas give: as [`meaning`](super::meaning) has it for codes, by their programs where they have one.
+
+use super::meaning::whole;
+use super::quick::put;
+use super::{Env, Formula, Machine};
+use crate::fault::Fault;
+use crate::form::{Origin, Value};
+
+impl Machine<'_> {
+    /// The results of a formula, which are numbers, put into `numbers` as far as there is room: how many there are.
+    #[inline]
+    pub(crate) fn read(
+        &mut self,
+        formula: &Formula,
+        env: &mut Env,
+        operation: &'static str,
+        numbers: &mut [f64],
+    ) -> Result<usize, Fault> {
+        let code = formula.code();
+        if !self.read_quickly(formula, env, numbers) {
+            self.run_here(code, env)?;
+            for (number, result) in numbers.iter_mut().zip(&code.results) {
+                *number = self.number(code, *result, operation)?;
+            }
+        }
+        Ok(numbers.len().min(code.results.len()))
+    }
+
+    #[inline]
+    fn read_quickly(&mut self, formula: &Formula, env: &mut Env, numbers: &mut [f64]) -> bool {
+        let Some(program) = self.run_program(formula, env) else { return false };
+        for (number, place) in numbers.iter_mut().zip(&program.results) {
+            match self.number_at(program, env, *place) {
+                Some(it) if !place.is_truth => *number = it,
+                _ => return false,
+            }
+        }
+        true
+    }
+
+    /// The truth of a formula's one result.
+    #[inline]
+    pub(crate) fn holds(&mut self, formula: &Formula, env: &mut Env) -> Result<bool, Fault> {
+        if let Some(program) = self.run_program(formula, env)
+            && let [place] = program.results[..]
+            && place.is_truth
+            && let Some(truth) = self.number_at(program, env, place)
+        {
+            return Ok(truth != 0.0);
+        }
+        self.truth(formula.code(), env)
+    }
+
+    /// Does what a formula assigns.
+    #[inline]
+    pub(crate) fn assign(&mut self, formula: &Formula, env: &mut Env) -> Result<(), Fault> {
+        match self.run_program(formula, env) {
+            Some(_) => Ok(()),
+            None => self.run_here(formula.code(), env),
+        }
+    }
+
+    /// The results of a formula, put into `values` as far as there is room.
+    #[inline]
+    pub(crate) fn find(&mut self, formula: &Formula, env: &mut Env, values: &mut [Value]) -> Result<(), Fault> {
+        if self.find_quickly(formula, env, values) {
+            return Ok(());
+        }
+        self.run_here(formula.code(), env)?;
+        for (value, result) in values.iter_mut().zip(&formula.code().results) {
+            value.clone_from(self.result(*result));
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn find_quickly(&mut self, formula: &Formula, env: &mut Env, values: &mut [Value]) -> bool {
+        let Some(program) = self.run_program(formula, env) else { return false };
+        for (value, place) in values.iter_mut().zip(&program.results) {
+            match self.number_at(program, env, *place) {
+                Some(number) => put(value, place.is_truth, number),
+                None => return false,
+            }
+        }
+        true
+    }
+
+    /// The whole number that a formula gives: at least `least`, and no more than a `repeat` may count.
+    #[inline]
+    pub(crate) fn count(
+        &mut self,
+        formula: &Formula,
+        env: &mut Env,
+        what: &'static str,
+        least: u32,
+        origin: Origin,
+    ) -> Result<u32, Fault> {
+        let mut value = [0.0];
+        self.read(formula, env, what, &mut value)?;
+        whole(value[0], what, least, self.limits().repeat, origin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eval::{Path, Results};
+    use crate::form::{BinaryOp, Builtin, Code, Draw, Op, Reg, Slot, UnaryOp, Vector};
+    use crate::limits::Limits;
+
+    /// Writes codes at random, as the compiler writes them: registers are used like a stack.
+    struct Writer {
+        state: u64,
+        code: Code,
+        free: u16,
+        draws: u64,
+    }
+
+    impl Writer {
+        fn pick(&mut self, count: u64) -> u64 {
+            self.state = crate::eval::spread(self.state);
+            self.state % count
+        }
+
+        fn op(&mut self, op: Op) {
+            // Each operation has a place of its own, so that faults can be told apart.
+            let start = self.code.ops.len() as u32;
+            self.code.origins.push(Origin { file: 0, start, end: start + 1 });
+            self.code.ops.push(op);
+        }
+
+        fn register(&mut self) -> Reg {
+            self.free += 1;
+            self.code.registers = self.code.registers.max(self.free);
+            Reg(self.free - 1)
+        }
+
+        /// A number in a register.
+        fn number(&mut self, to: Reg, depth: u32) {
+            let before = self.free;
+            match if depth == 0 { self.pick(3) } else { self.pick(12) } {
+                0 => {
+                    let number = [0.0, 1.0, -2.5, 0.25, 3.0, 90.0, 1e300][self.pick(7) as usize];
+                    self.op(Op::Constant(to, Value::Number(number)));
+                }
+                1 | 2 => {
+                    // Seldom one that is no number.
+                    let slot = if self.pick(20) == 0 { 3 + self.pick(3) } else { self.pick(3) };
+                    self.op(Op::Load(to, Slot(slot as u16)));
+                }
+                3 => {
+                    self.number(to, depth - 1);
+                    self.op(Op::Unary(to, UnaryOp::Negate, to));
+                }
+                4 | 5 => {
+                    self.number(to, depth - 1);
+                    let other = self.register();
+                    self.number(other, depth - 1);
+                    let ops = [
+                        BinaryOp::Add,
+                        BinaryOp::Subtract,
+                        BinaryOp::Multiply,
+                        BinaryOp::Divide,
+                        BinaryOp::Remainder,
+                        BinaryOp::Power,
+                    ];
+                    let op = ops[self.pick(6) as usize];
+                    self.op(Op::Binary(to, op, to, other));
+                }
+                6 => {
+                    let index = self.register();
+                    self.number(index, depth - 1);
+                    self.op(Op::Element(to, Slot(5), index));
+                }
+                7 => {
+                    if self.pick(2) == 0 {
+                        self.op(Op::Load(to, Slot(4)));
+                    } else {
+                        let vector = Vector::new(&[1.0, 2.0, 3.0]).map(Value::Vector).expect("three numbers");
+                        self.op(Op::Constant(to, vector));
+                    }
+                    let part = self.pick(3) as u8;
+                    self.op(Op::Part(to, to, part));
+                }
+                8 => {
+                    let all = [Builtin::Sin, Builtin::Sqrt, Builtin::Floor, Builtin::Min, Builtin::Mix, Builtin::Norm];
+                    let builtin = all[self.pick(6) as usize];
+                    let count = match builtin {
+                        Builtin::Min => 2,
+                        Builtin::Mix => 3,
+                        _ => 1,
+                    };
+                    let args: Vec<Reg> = (0..count).map(|_| self.register()).collect();
+                    args.iter().for_each(|it| self.number(*it, depth - 1));
+                    self.op(Op::Builtin(to, builtin, args.into()));
+                }
+                9 => {
+                    let args = [self.register(), self.register()];
+                    args.iter().for_each(|it| self.number(*it, depth - 1));
+                    self.draws += 1;
+                    let draw = if self.pick(2) == 0 { Draw::Uniform } else { Draw::Gauss };
+                    self.op(Op::Draw { to, draw, args: args.into(), place: self.draws });
+                }
+                10 => {
+                    let truth = self.register();
+                    self.truth(truth, depth - 1);
+                    let next = self.jump(Op::JumpUnless(truth, 0));
+                    self.number(to, depth - 1);
+                    let end = self.jump(Op::Jump(0));
+                    self.land(next);
+                    self.number(to, depth - 1);
+                    self.land(end);
+                }
+                _ => {
+                    let from = self.register();
+                    self.number(from, depth - 1);
+                    self.op(Op::Copy(to, from));
+                }
+            }
+            self.free = before.max(to.0 + 1);
+        }
+
+        /// A truth value in a register.
+        fn truth(&mut self, to: Reg, depth: u32) {
+            let before = self.free;
+            match if depth == 0 { 0 } else { self.pick(4) } {
+                0 => {
+                    self.number(to, depth);
+                    let other = self.register();
+                    self.number(other, depth);
+                    let ops = [BinaryOp::Less, BinaryOp::Equal, BinaryOp::GreaterEqual, BinaryOp::NotEqual];
+                    let op = ops[self.pick(4) as usize];
+                    self.op(Op::Binary(to, op, to, other));
+                }
+                1 => {
+                    self.truth(to, depth - 1);
+                    self.op(Op::Unary(to, UnaryOp::Not, to));
+                }
+                2 => {
+                    self.truth(to, depth - 1);
+                    let is_and = self.pick(2) == 0;
+                    let end = self.jump(if is_and { Op::JumpUnless(to, 0) } else { Op::JumpIf(to, 0) });
+                    self.truth(to, depth - 1);
+                    self.land(end);
+                }
+                _ => {
+                    let truth = self.pick(2) == 0;
+                    self.op(Op::Constant(to, Value::Bool(truth)));
+                }
+            }
+            self.free = before.max(to.0 + 1);
+        }
+
+        fn jump(&mut self, op: Op) -> usize {
+            self.op(op);
+            self.code.ops.len() - 1
+        }
+
+        fn land(&mut self, jump: usize) {
+            let here = self.code.ops.len() as u32;
+            if let Op::Jump(target) | Op::JumpIf(_, target) | Op::JumpUnless(_, target) = &mut self.code.ops[jump] {
+                *target = here;
+            }
+        }
+
+        /// A code that assigns some slots and gives some values.
+        fn write(seed: u64) -> Code {
+            let mut writer = Self { state: seed, code: Code::default(), free: 0, draws: 0 };
+            // Mostly it is one or the other, as in programs.
+            let kind = writer.pick(5);
+            for _ in 0..if kind < 2 { 0 } else { writer.pick(3) } {
+                let is_open = writer.pick(2) == 0;
+                if is_open {
+                    writer.op(Op::Enter(7));
+                }
+                let slot = writer.pick(3) as u16;
+                let value = writer.register();
+                writer.number(value, 2);
+                writer.op(Op::Store(Slot(slot), value));
+                if is_open {
+                    writer.op(Op::Leave);
+                }
+                writer.free = 0;
+            }
+            for _ in 0..if kind > 2 { 0 } else { writer.pick(3) } {
+                let result = writer.register();
+                if writer.pick(3) == 0 {
+                    writer.truth(result, 2);
+                } else {
+                    writer.number(result, 2);
+                }
+                writer.code.results.push(result);
+            }
+            writer.code
+        }
+    }
+
+    fn env() -> Env {
+        let number = |it: f64| Value::Number(it);
+        let vector = Value::Vector(Vector::new(&[0.5, -0.5, 4.0]).expect("three numbers"));
+        let list = Value::List([2.0, 4.0, 8.0].map(Value::Number).into());
+        let slots = vec![number(1.0), number(2.5), number(-3.0), Value::Bool(true), vector, list];
+        Env { slots, path: Path(3, 4), turn: 5 }
+    }
+
+    #[test]
+    fn a_formula_does_what_its_code_does() {
+        let (mut quick, mut failed) = (0, 0);
+        for seed in 0..20_000 {
+            let formula = Formula::new(Writer::write(seed));
+            let (mut slow_machine, mut fast_machine) =
+                (Machine::new(&[], 9, &Limits::default()), Machine::new(&[], 9, &Limits::default()));
+            let (mut slow_env, mut fast_env) = (env(), env());
+            let slow = slow_machine.run(formula.code(), &mut slow_env);
+            let mut values: Results = formula.code().results.iter().map(|_| Value::Bool(false)).collect();
+            quick += u32::from(fast_machine.run_program(&formula, &mut env()).is_some());
+            let fast = fast_machine.find(&formula, &mut fast_env, &mut values).map(|()| values);
+            assert_eq!(slow, fast, "{seed}: {formula:?}");
+            failed += u32::from(slow.is_err());
+            assert!(slow.is_err() || slow_env == fast_env, "{seed}: {slow_env:?} {fast_env:?} {formula:?}");
+        }
+        // Both ways are taken, and failures are met.
+        assert!(quick > 5_000 && failed > 1_000, "{quick} {failed}");
+    }
+
+    #[test]
+    fn numbers_truths_and_counts_are_those_of_the_code() {
+        let mut machine = Machine::new(&[], 9, &Limits::default());
+        for seed in 0..5_000 {
+            let formula = Formula::new(Writer::write(seed));
+            let mut numbers = [0.0; 3];
+            let slow = machine.numbers(formula.code(), &mut env(), "x").map(|it| it.to_vec());
+            let fast = machine.read(&formula, &mut env(), "x", &mut numbers).map(|it| numbers[..it].to_vec());
+            assert_eq!(slow, fast, "{seed}");
+            if formula.code().results.len() == 1 {
+                let slow = machine.truth(formula.code(), &mut env());
+                assert_eq!(slow, machine.holds(&formula, &mut env()), "{seed}");
+                let slow = machine.whole(formula.code(), &mut env(), "x", 1, Origin::NONE);
+                assert_eq!(slow, machine.count(&formula, &mut env(), "x", 1, Origin::NONE), "{seed}");
+            }
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! Operations on numbers alone, which are most of all operations.
+//!
+//! Each gives exactly what [`operation`](super::operation) gives, or `None` where that may be a failure: whatever is not finite is
+//! left to it. So nothing here has to say what went wrong.
+
+use super::formula::{NumberOp, Operand, Place, Program};
+use super::{Env, angle, operation, random};
+use crate::form::{BinaryOp, Builtin, Draw, Value};
+
+/// What an operator with two operands gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Plain {
+    /// A finite number.
+    Number(f64),
+    /// A truth value.
+    Bool(bool),
+}
+
+/// Operators with two operands.
+#[inline(always)]
+pub(super) fn binary(op: BinaryOp, x: f64, y: f64) -> Option<Plain> {
+    let number = match op {
+        // Numbers are the same when their bits are, but that -0 is 0; and none is NaN.
+        BinaryOp::Equal => return Some(Plain::Bool(x == y)),
+        BinaryOp::NotEqual => return Some(Plain::Bool(x != y)),
+        BinaryOp::Less => return Some(Plain::Bool(x < y)),
+        BinaryOp::LessEqual => return Some(Plain::Bool(x <= y)),
+        BinaryOp::Greater => return Some(Plain::Bool(x > y)),
+        BinaryOp::GreaterEqual => return Some(Plain::Bool(x >= y)),
+        BinaryOp::Add => x + y,
+        BinaryOp::Subtract => x - y,
+        BinaryOp::Multiply => x * y,
+        BinaryOp::Divide => x / y,
+        BinaryOp::Remainder => operation::remainder(x, y),
+        BinaryOp::Power => libm::pow(x, y),
+    };
+    finite(number).map(Plain::Number)
+}
+
+/// Built-in functions of numbers. Those of other values give `None`.
+#[inline]
+pub(super) fn builtin(builtin: Builtin, args: &[f64]) -> Option<f64> {
+    let value = match (builtin, args) {
+        (Builtin::Sin, [x]) => angle::sin_cos(*x).0,
+        (Builtin::Cos, [x]) => angle::sin_cos(*x).1,
+        (Builtin::Tan, [x]) => {
+            let (sin, cos) = angle::sin_cos(*x);
+            sin / cos
+        }
+        (Builtin::Asin, [x]) => angle::asin(*x),
+        (Builtin::Acos, [x]) => angle::acos(*x),
+        (Builtin::Atan, [x]) => angle::atan2(*x, 1.0),
+        (Builtin::Atan2, [y, x]) => angle::atan2(*y, *x),
+        (Builtin::Sqrt, [x]) => x.sqrt(),
+        (Builtin::Exp, [x]) => libm::exp(*x),
+        (Builtin::Ln, [x]) => libm::log(*x),
+        (Builtin::Abs, [x]) => x.abs(),
+        (Builtin::Floor, [x]) => x.floor(),
+        (Builtin::Ceil, [x]) => x.ceil(),
+        (Builtin::Round, [x]) => x.round(),
+        (Builtin::Min, [first, rest @ ..]) => rest.iter().fold(*first, |a, b| if *b < a { *b } else { a }),
+        (Builtin::Max, [first, rest @ ..]) => rest.iter().fold(*first, |a, b| if *b > a { *b } else { a }),
+        (Builtin::Clamp, [x, low, high]) => {
+            if x < low {
+                *low
+            } else if x > high {
+                *high
+            } else {
+                *x
+            }
+        }
+        (Builtin::Mix, [a, b, t]) => a + (b - a) * t,
+        _ => return None,
+    };
+    finite(value)
+}
+
+/// What a draw gives for a uniform number in [0, 1).
+#[inline]
+pub(super) fn distribute(draw: Draw, uniform: f64, args: &[f64]) -> Option<f64> {
+    let value = match (draw, args) {
+        (Draw::Uniform, [low, high]) => low + (high - low) * uniform,
+        (Draw::Gauss, [mean, sigma]) => mean + sigma * random::cut_normal(uniform),
+        _ => return None,
+    };
+    finite(value)
+}
+
+/// Runs a program of numbers; false if it could not be done with finite numbers alone. Then nothing has changed.
+///
+/// `draw` gives a number in [0, 1) for the draw of a number.
+pub(super) fn run(
+    program: &Program,
+    env: &mut Env,
+    registers: &mut [f64],
+    draw: impl Fn(&Env, (u64, u64)) -> f64,
+) -> bool {
+    // The number of an operand; in a slot there may be something else.
+    macro_rules! at {
+        ($operand:expr) => {
+            match $operand {
+                Operand::Register(number) => registers[usize::from(number)],
+                Operand::Constant(number) => program.constants[usize::from(number)],
+                Operand::Slot(number) => match env.slots[usize::from(number)] {
+                    Value::Number(number) => number,
+                    _ => return false,
+                },
+            }
+        };
+    }
+    let mut next = 0;
+    while let Some(op) = program.ops.get(next) {
+        next += 1;
+        let (to, number) = match *op {
+            NumberOp::Copy(to, from) => (to, Some(at!(from))),
+            NumberOp::Part(to, slot, number) => {
+                let Value::Vector(vector) = &env.slots[usize::from(slot.0)] else { return false };
+                (to, vector.parts().get(usize::from(number)).copied())
+            }
+            NumberOp::Element(to, slot, index) => (to, element(&env.slots[usize::from(slot.0)], at!(index))),
+            NumberOp::Add(to, a, b) => (to, finite(at!(a) + at!(b))),
+            NumberOp::Subtract(to, a, b) => (to, finite(at!(a) - at!(b))),
+            NumberOp::Multiply(to, a, b) => (to, finite(at!(a) * at!(b))),
+            NumberOp::Divide(to, a, b) => (to, finite(at!(a) / at!(b))),
+            NumberOp::Negate(to, a) => (to, Some(-at!(a))),
+            NumberOp::Not(to, a) => (to, Some(1.0 - at!(a))),
+            NumberOp::Binary(to, op, a, b) => match binary(op, at!(a), at!(b)) {
+                Some(Plain::Number(number)) => (to, Some(number)),
+                Some(Plain::Bool(truth)) => (to, Some(f64::from(u8::from(truth)))),
+                None => return false,
+            },
+            NumberOp::Builtin(to, function, 1, [a, ..]) => (to, builtin(function, &[at!(a)])),
+            NumberOp::Builtin(to, function, 2, [a, b, _]) => (to, builtin(function, &[at!(a), at!(b)])),
+            NumberOp::Builtin(to, function, _, [a, b, c]) => (to, builtin(function, &[at!(a), at!(b), at!(c)])),
+            NumberOp::Draw(to, kind, a, b, number) => {
+                let args = [at!(a), at!(b)];
+                (to, distribute(kind, draw(env, program.draws[usize::from(number)]), &args))
+            }
+            NumberOp::Jump(target) => {
+                next = target as usize;
+                continue;
+            }
+            NumberOp::JumpIf(truth, target) => {
+                next = if at!(truth) == 0.0 { next } else { target as usize };
+                continue;
+            }
+            NumberOp::JumpUnless(truth, target) => {
+                next = if at!(truth) == 0.0 { target as usize } else { next };
+                continue;
+            }
+        };
+        let Some(number) = number else { return false };
+        registers[usize::from(to)] = number;
+    }
+    for (slot, place) in &program.stores {
+        let number = at!(place.operand);
+        put(&mut env.slots[usize::from(slot.0)], place.is_truth, number);
+    }
+    true
+}
+
+#[inline(always)]
+fn finite(number: f64) -> Option<f64> {
+    number.is_finite().then_some(number)
+}
+
+/// The number at a place, after a run; `None` if that is a slot with something else.
+#[inline(always)]
+pub(super) fn result(program: &Program, env: &Env, registers: &[f64], place: Place) -> Option<f64> {
+    match place.operand {
+        Operand::Register(number) => Some(registers[usize::from(number)]),
+        Operand::Constant(number) => Some(program.constants[usize::from(number)]),
+        Operand::Slot(number) => match env.slots[usize::from(number)] {
+            Value::Number(number) => Some(number),
+            _ => None,
+        },
+    }
+}
+
+/// Puts what a register of a program holds into a value.
+#[inline(always)]
+pub(super) fn put(value: &mut Value, is_truth: bool, number: f64) {
+    match value {
+        Value::Number(old) if !is_truth => *old = number,
+        _ if is_truth => *value = Value::Bool(number != 0.0),
+        _ => *value = Value::Number(number),
+    }
+}
+
+/// An element of a list, if it is there and a number.
+#[inline]
+pub(super) fn element(list: &Value, index: f64) -> Option<f64> {
+    let Value::List(values) = list else { return None };
+    // Of numbers that are no index the place is another one, or out of the list.
+    let place = index as usize;
+    match values.get(place) {
+        Some(Value::Number(value)) if place as f64 == index => Some(*value),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NUMBERS: [f64; 14] =
+        [0.0, -0.0, 1.0, -1.0, 0.5, -2.5, 3.0, 7.25, 90.0, 1e300, -1e300, 1e-310, f64::INFINITY, f64::NEG_INFINITY];
+
+    /// Whether a quick answer, if there is one, is the one of the slow way, which is then no failure.
+    fn agrees(quick: Option<f64>, slow: Result<Value, operation::Failure>) -> bool {
+        match (quick, slow) {
+            (Some(quick), Ok(Value::Number(slow))) => quick.to_bits() == slow.to_bits(),
+            (Some(_), _) => false,
+            // It may leave anything to the slow way that is not a finite number.
+            (None, Ok(Value::Number(slow))) => !slow.is_finite(),
+            (None, _) => true,
+        }
+    }
+
+    #[test]
+    fn operators_give_what_they_give_the_slow_way() {
+        let ops = [
+            BinaryOp::Add,
+            BinaryOp::Subtract,
+            BinaryOp::Multiply,
+            BinaryOp::Divide,
+            BinaryOp::Remainder,
+            BinaryOp::Power,
+        ];
+        let comparisons = [
+            BinaryOp::Equal,
+            BinaryOp::NotEqual,
+            BinaryOp::Less,
+            BinaryOp::LessEqual,
+            BinaryOp::Greater,
+            BinaryOp::GreaterEqual,
+        ];
+        for x in NUMBERS {
+            for y in NUMBERS {
+                let slow = |op| operation::binary(op, &Value::Number(x), &Value::Number(y));
+                for op in ops {
+                    let quick = match binary(op, x, y) {
+                        Some(Plain::Number(it)) => Some(it),
+                        Some(Plain::Bool(_)) => panic!("{op:?} gives numbers"),
+                        None => None,
+                    };
+                    assert!(agrees(quick, slow(op)), "{x} {op:?} {y}");
+                }
+                for op in comparisons {
+                    let expected = slow(op).map(|it| it == Value::Bool(true)).expect("numbers compare");
+                    assert_eq!(binary(op, x, y), Some(Plain::Bool(expected)), "{x} {op:?} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn functions_and_draws_give_what_they_give_the_slow_way() {
+        let one = [
+            Builtin::Sin,
+            Builtin::Cos,
+            Builtin::Tan,
+            Builtin::Asin,
+            Builtin::Acos,
+            Builtin::Atan,
+            Builtin::Sqrt,
+            Builtin::Exp,
+            Builtin::Ln,
+            Builtin::Abs,
+            Builtin::Floor,
+            Builtin::Ceil,
+            Builtin::Round,
+            Builtin::Min,
+            Builtin::Max,
+        ];
+        let more = [Builtin::Atan2, Builtin::Min, Builtin::Max, Builtin::Clamp, Builtin::Mix];
+        for x in NUMBERS {
+            for it in one {
+                assert!(agrees(builtin(it, &[x]), operation::builtin(it, &[&Value::Number(x)])), "{it:?} {x}");
+            }
+            for y in NUMBERS {
+                for z in NUMBERS {
+                    let args = [x, y, z];
+                    let values = args.map(Value::Number);
+                    for it in more {
+                        let count = if it == Builtin::Atan2 { 2 } else { 3 };
+                        let slow = operation::builtin(it, &values.each_ref()[..count]);
+                        assert!(agrees(builtin(it, &args[..count]), slow), "{it:?} {args:?}");
+                    }
+                }
+                for draw in [Draw::Uniform, Draw::Gauss] {
+                    let slow = operation::distribute(draw, 0.75, &[&Value::Number(x), &Value::Number(y)]);
+                    assert!(agrees(distribute(draw, 0.75, &[x, y]), slow), "{draw:?} {x} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn elements_are_those_of_the_slow_way() {
+        let list = Value::List([1.0, 2.0, 3.0].map(Value::Number).into());
+        for index in [-1.0, -0.0, 0.0, 0.5, 1.0, 2.0, 2.9, 3.0, 1e300, f64::INFINITY] {
+            let slow = operation::index(&list, &Value::Number(index));
+            assert!(agrees(element(&list, index), slow), "{index}");
+        }
+        assert_eq!(element(&Value::Number(1.0), 0.0), None);
+    }
+}

@@ -1,5 +1,6 @@
 //! The entries of a graph, S-nodes and systems, with the nodes between each and the next ones.
 
+use super::measures::Measures;
 use crate::form::{Graph, Node, NodeId, SelectId, Shape, SystemId};
 use crate::trace::Entry;
 
@@ -71,6 +72,24 @@ impl Entries {
     /// The numbers of the entries that lead to it.
     pub(crate) fn callers(&self, number: usize) -> &[usize] {
         &self.callers[number]
+    }
+
+    /// The number of the system that an entry belongs to.
+    pub(crate) fn system(&self, graph: &Graph, number: usize) -> usize {
+        match self.entry(number) {
+            Entry::Select(id) => graph.select(id).system.0 as usize,
+            Entry::System(id) => id.0 as usize,
+        }
+    }
+
+    /// The slots that hold measures.
+    pub(super) fn measures(&self, graph: &Graph) -> Measures {
+        let mut systems = vec![None; graph.nodes().len()];
+        for number in 0..self.count() {
+            let system = self.system(graph, number);
+            self.nodes[number].iter().for_each(|it| systems[it.0 as usize] = Some(system));
+        }
+        Measures::of(graph, |node| systems.get(node).copied().flatten())
     }
 
     /// For each entry, whether a shape lies below it.

@@ -72,6 +72,27 @@ impl Flow {
         flow
     }
 
+    /// The same, but for slots that hold measures ([`measures`](super::measures)): these are data, even if a choice looks at
+    /// them, so states that differ in them are joined where there are many. That need not come to bounds where the whole flow
+    /// does. `None`: there are no such slots.
+    pub(crate) fn with_measures_as_data(scene: &Scene) -> Option<Self> {
+        let mut flow = Self::of(scene);
+        let measures = flow.entries.measures(&scene.graph);
+        let mut is_other = false;
+        for (number, lay) in flow.lays.iter_mut().enumerate() {
+            let system = flow.entries.system(&scene.graph, number);
+            for (slot, control) in &mut lay.slots {
+                if *control && measures.holds(system, *slot) {
+                    *control = false;
+                    is_other = true;
+                }
+            }
+            lay.discrete = true;
+        }
+        flow.mark_discrete();
+        is_other.then_some(flow)
+    }
+
     pub(crate) fn at(&self, entry: Entry) -> &Lay {
         &self.lays[self.entries.number(entry)]
     }

@@ -5,8 +5,9 @@
 //! counts down from 20 there are 21. What holds for an abstract state holds for every concrete one that it stands for.
 //!
 //! - [`range`], [`value`], [`operation`], [`machine`]: expressions on abstract values.
-//! - [`flow`]: which slots matter, and which of them decide what is chosen.
+//! - [`flow`], [`needs`], [`measures`]: which slots matter, and which of them decide what is chosen.
 //! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones.
+//! - [`linear`]: corners whose places are data.
 //! - [`loose`], [`profile`]: bounds that need only be valid.
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
 //! - [`skeleton`]: a graph without all that only moves and shapes things.
@@ -21,8 +22,10 @@ mod entries;
 mod findings;
 mod flow;
 mod hyper;
+mod linear;
 mod loose;
 mod machine;
+mod measures;
 mod needs;
 mod operation;
 mod planted;

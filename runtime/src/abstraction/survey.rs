@@ -25,6 +25,14 @@ const MOST_REMEMBERED: usize = 1 << 12;
 /// What threads share.
 #[derive(Debug)]
 pub(crate) struct Survey {
+    strict: Lens,
+    /// With measures as data, which is asked first: what it does not know, the strict one may.
+    coarse: Option<Lens>,
+}
+
+/// A way of looking at the states of a scene, with what it has seen.
+#[derive(Debug)]
+struct Lens {
     flow: Flow,
     depth: u32,
     canon: Mutex<Canon>,
@@ -45,22 +53,24 @@ impl Default for Scout {
 
 impl Survey {
     pub(crate) fn new(scene: &Scene, limits: &Limits) -> Self {
-        Self { flow: Flow::of(scene), depth: limits.depth, canon: Mutex::new(Canon::new(limits)) }
+        let lens = |flow| Lens { flow, depth: limits.depth, canon: Mutex::new(Canon::new(limits)) };
+        Self { strict: lens(Flow::of(scene)), coarse: Flow::with_measures_as_data(scene).map(lens) }
     }
 
     /// The scene, as abstract states see it.
     pub(super) fn flow(&self) -> &Flow {
-        &self.flow
+        &self.strict.flow
     }
 
     /// Whether no two states of this kind are likely to amount to the same: they draw, or carry data.
     pub(crate) fn is_rare(&self, state: &State) -> bool {
-        state.path.is_some() || self.flow.at(state.entry).slots.iter().any(|it| !it.1)
+        state.path.is_some()
+            || self.coarse.as_ref().unwrap_or(&self.strict).flow.at(state.entry).slots.iter().any(|it| !it.1)
     }
 
     /// Whether shapes lie below states of an entry: of those nothing is known but by looking at what is in them.
     pub(crate) fn bears_shapes(&self, entry: Entry) -> bool {
-        self.flow.bears_shapes(entry)
+        self.strict.flow.bears_shapes(entry)
     }
 
     /// What a state amounts to; `live` are the slots that it has values of.
@@ -68,14 +78,14 @@ impl Survey {
     /// # Errors
     /// A cycle without bounds below it, or states too deep inside one another.
     pub(crate) fn extent(&self, scout: &mut Scout, state: &State, live: &[Slot]) -> Result<Extent, Fault> {
-        let start = Walker::start(&self.flow, state, live);
+        let start = Walker::start(&self.strict.flow, state, live);
         if let Some(extent) = scout.remembered.get(&start) {
             return Ok(*extent);
         }
-        let extent = if self.flow.at(state.entry).discrete {
-            self.shared(start.clone())?
-        } else {
-            self.run(scout, start.clone())?
+        let coarse = self.coarse.as_ref().and_then(|it| it.extent(scout, &start).ok());
+        let extent = match coarse.filter(|it| it.loose.bounds.is_finite()) {
+            Some(extent) => extent,
+            None => self.strict.extent(scout, &start)?,
         };
         if scout.remembered.len() >= MOST_REMEMBERED {
             scout.remembered.clear();
@@ -86,7 +96,13 @@ impl Survey {
 
     /// One box for each module, around all that its states below one ever stand for; `live` as in [`Self::extent`].
     pub(crate) fn hyper_boxes(&self, state: &State, live: &[Slot]) -> HyperBoxes {
-        HyperBoxes::below(&self.flow, Walker::start(&self.flow, state, live))
+        HyperBoxes::below(&self.strict.flow, Walker::start(&self.strict.flow, state, live))
+    }
+}
+
+impl Lens {
+    fn extent(&self, scout: &mut Scout, start: &AbstractState) -> Result<Extent, Fault> {
+        if self.flow.at(start.entry).discrete { self.shared(start.clone()) } else { self.run(scout, start.clone()) }
     }
 
     fn shared(&self, state: AbstractState) -> Result<Extent, Fault> {

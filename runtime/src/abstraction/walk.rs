@@ -3,17 +3,22 @@
 //! Where a choice is not known, all that may be chosen is there. Where an evaluation fails whatever the draws, nothing
 //! is. So a sketch holds what any concrete expansion of a state that the abstract one stands for can hold.
 
+use std::rc::Rc;
+
 use glam::DAffine3;
 use smallvec::SmallVec;
 
 use super::flow::{Fixed, Flow};
+use super::linear::LinearMap;
 use super::loose::Loose;
 use super::machine::AbstractMachine;
 use super::range::Range;
 use super::sketch::{AbstractState, Part, Sketch, Successor, What};
 use super::step::{Step, Way};
 use super::value::Abstract;
-use crate::form::{Call, Choice, Code, Formal, Node, NodeId, Op, Origin, Select, Slot, SystemCall, SystemId, Value};
+use crate::form::{
+    Call, Choice, Code, Formal, Node, NodeId, Op, Origin, Select, Slot, SystemCall, SystemId, TransformKind, Value,
+};
 use crate::geometry::Primitive;
 use crate::trace::{Entry, State};
 
@@ -64,6 +69,8 @@ pub(crate) struct Walker {
     successors: Vec<Successor>,
     /// How many stretches of `repeat`s are inside one another.
     stretches: u64,
+    /// How often slots have changed so far.
+    time: u32,
 }
 
 /// What a plant counts as: too much to be small.
@@ -73,6 +80,8 @@ const MANY: u64 = 1 << 20;
 #[derive(Clone)]
 struct Here {
     way: Way,
+    /// The same as linear forms, from where it stops being known.
+    linear: Option<Rc<LinearMap>>,
     copies: u64,
     certain: bool,
 }
@@ -86,6 +95,7 @@ impl Walker {
             journal: Vec::new(),
             successors: Vec::new(),
             stretches: 1,
+            time: 0,
         }
     }
 
@@ -121,7 +131,7 @@ impl Walker {
         self.stretches = 1;
         let mut sketch = Sketch::default();
         let mut chosen = Chosen::default();
-        let mut here = Here { way: Way::default(), copies: 1, certain: true };
+        let mut here = Here { way: Way::default(), linear: None, copies: 1, certain: true };
         match state.entry {
             Entry::System(id) => self.add(flow, &mut sketch, flow.graph.system(id).start, here),
             Entry::Select(id) => {
@@ -133,7 +143,7 @@ impl Walker {
                 }
                 if let Some(proxy) = select.proxy {
                     // Bounds hold for what stands for the state from far away as well, which is no part of it.
-                    here = Here { way: Way::default(), copies: 0, certain: false };
+                    here = Here { way: Way::default(), linear: None, copies: 0, certain: false };
                     self.add(flow, &mut sketch, proxy, here);
                 }
             }
@@ -211,6 +221,7 @@ impl Walker {
         while self.journal.len() > before {
             if let Some((slot, value)) = self.journal.pop() {
                 self.slots[usize::from(slot.0)] = value;
+                self.time += 1;
             }
         }
     }
@@ -223,7 +234,9 @@ impl Walker {
                 Node::Primitive { kind, code, .. } => {
                     if let Fixed::Primitive(primitive) = flow.fixed(node) {
                         if let Some(primitive) = primitive {
-                            sketch.add(bounds_of(primitive, &here.way), here.copies);
+                            let loose = bounds_of(primitive, &here.way);
+                            let corners = here.linear.and_then(|it| it.bounds(*kind)).map(Loose::of_box);
+                            sketch.add(corners.map_or(loose, |it| loose.intersection(it)), here.copies);
                         }
                         return;
                     }
@@ -246,11 +259,13 @@ impl Walker {
                         _ => self.machine.ranges(flow, code, &mut self.slots).and_then(|it| Step::of(*kind, &it)),
                     };
                     let Some(step) = step else { return };
+                    here.linear = self.linear(&here, &step, *kind, code);
                     here.way.push(step);
                     node = *body;
                 }
                 Node::Calc { code, body, .. } => {
                     self.remember(code);
+                    self.time += 1;
                     if !self.machine.run(flow, code, &mut self.slots) {
                         return;
                     }
@@ -304,6 +319,17 @@ impl Walker {
         }
     }
 
+    /// The way on through a T-node as linear forms, if it has some.
+    fn linear(&self, here: &Here, step: &Step, kind: TransformKind, code: &Code) -> Option<Rc<LinearMap>> {
+        let linear = match (&here.linear, step) {
+            (None, Step::Known { .. }) => return None,
+            (Some(linear), Step::Known { map, .. }) => linear.then_known(map),
+            (Some(linear), _) => linear.then_code(kind, code, &self.slots, self.time),
+            (None, _) => LinearMap::known(&here.way.known()?).then_code(kind, code, &self.slots, self.time),
+        };
+        linear.map(Rc::new)
+    }
+
     /// Notes what stands in the slots that a code assigns.
     fn remember(&mut self, code: &Code) {
         for op in &code.ops {
@@ -327,6 +353,7 @@ impl Walker {
         self.stretches *= stretches;
         for number in 0..stretches {
             let (first, end) = (number * most / stretches, (number + 1) * most / stretches);
+            self.time += 1;
             let mut copy = here.clone();
             copy.certain &= (first as f64) < counts.low();
             copy.copies = copy.copies.saturating_mul(end - first);
@@ -344,7 +371,7 @@ impl Walker {
     }
 
     fn operands(&mut self, flow: &Flow, operands: &[NodeId], here: &Here) -> Vec<Sketch> {
-        let inner = Here { way: Way::default(), copies: 1, certain: here.certain };
+        let inner = Here { way: Way::default(), linear: None, copies: 1, certain: here.certain };
         let of = |operand: &NodeId| {
             let mut sketch = Sketch::default();
             self.add(flow, &mut sketch, *operand, inner.clone());

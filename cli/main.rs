@@ -13,6 +13,7 @@ mod inspect;
 mod inspect_derivation;
 mod inspect_expand;
 mod inspect_form;
+mod mesh;
 mod output;
 mod progress;
 mod render;
@@ -34,7 +35,10 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
-        None => render::render(cli.render, console),
+        None => match mesh::Format::of(&cli.render.output()) {
+            Some(format) => mesh::export(cli.render, format, console),
+            None => render::render(cli.render, console),
+        },
     };
     match result {
         Ok(()) => Exit::Done.into(),

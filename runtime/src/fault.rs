@@ -128,6 +128,8 @@ pub enum FaultKind {
     },
     /// A surface without an inside below `&` or `\`.
     Open(PrimitiveKind),
+    /// Nothing that is shown has a mesh.
+    NoMesh,
     /// A limit was met.
     Limit {
         /// Which.
@@ -168,6 +170,10 @@ pub enum Limit {
     Intervals,
     /// Primitives of an exported scene.
     Primitives,
+    /// Triangles of a mesh.
+    Triangles,
+    /// Nodes of a mesh.
+    MeshNodes,
     /// Pixels of a picture.
     Pixels,
     /// Samples of a pixel.

@@ -14,6 +14,7 @@ pub mod form;
 pub mod geometry;
 mod lanes;
 mod limits;
+pub mod mesh;
 pub mod picture;
 pub mod trace;
 

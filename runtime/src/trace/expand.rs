@@ -11,8 +11,8 @@ use super::{Route, shapes};
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, Path, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, ShapeId, SystemId, Value};
-use crate::geometry::{Part, Primitive};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, SelectId, ShapeId, Stem, SystemId, Value};
+use crate::geometry::{Joints, Part, Primitive};
 use crate::limits::Limits;
 
 /// Where a derivation stands: two states that are equal stand for the same solid.
@@ -73,6 +73,9 @@ pub enum Solid {
     Difference(Box<Group>, Vec<Group>),
 }
 
+/// Takes the parts of a stem, in order, in the frame of the group.
+pub(crate) type StemTaker<'t> = dyn FnMut(&[Part]) -> Result<(), Fault> + 't;
+
 /// Expands the states of a scene.
 #[derive(Debug)]
 pub struct Expander<'s> {
@@ -102,8 +105,20 @@ impl<'s> Expander<'s> {
     /// # Errors
     /// A fault in an evaluation on the way, or more parts than the limit.
     pub fn expand(&self, state: &State) -> Result<Group, Fault> {
+        self.expand_to(state, None)
+    }
+
+    /// The same without stems: those are handed on whole.
+    ///
+    /// # Errors
+    /// As [`Expander::expand`], or whatever the taker of stems says.
+    pub(crate) fn expand_but_stems(&self, state: &State, stems: &mut StemTaker<'_>) -> Result<Group, Fault> {
+        self.expand_to(state, Some(stems))
+    }
+
+    fn expand_to(&self, state: &State, stems: Option<&mut StemTaker<'_>>) -> Result<Group, Fault> {
         let (left, copies) = (self.limits.items, self.limits.repeat);
-        let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
+        let mut walk = Walk { expander: self, machine: self.machine(), left, copies, stems };
         let mut env = self.env(state);
         let mut group = Group::default();
         let (body, route) = match state.entry {
@@ -130,7 +145,7 @@ impl<'s> Expander<'s> {
             return Ok(None);
         };
         let (left, copies) = (self.limits.items, self.limits.repeat);
-        let mut walk = Walk { expander: self, machine: self.machine(), left, copies };
+        let mut walk = Walk { expander: self, machine: self.machine(), left, copies, stems: None };
         let (env, route) = (self.env(state), Route::START);
         let mut group = Group::default();
         walk.add(&mut group, proxy, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
@@ -192,16 +207,18 @@ struct Here {
 }
 
 /// A walk through the nodes of one state.
-struct Walk<'e, 's> {
+struct Walk<'e, 't, 's> {
     expander: &'e Expander<'s>,
     machine: Machine<'s>,
     /// How many more parts it may find.
     left: u32,
     /// How many more copies it may look into, even if there is nothing in them.
     copies: u32,
+    /// Who takes stems, if they are not to become parts like all others.
+    stems: Option<&'e mut StemTaker<'t>>,
 }
 
-impl Walk<'_, '_> {
+impl Walk<'_, '_, '_> {
     /// Adds what a node stands for to a group.
     ///
     /// It goes down chains in a loop, since they may be long, and calls itself for operands, whose nesting the grammar limits.
@@ -321,13 +338,13 @@ impl Walk<'_, '_> {
 }
 
 /// Takes the parts of a shape into a group.
-struct InGroup<'w, 'e, 's> {
-    walk: &'w mut Walk<'e, 's>,
+struct InGroup<'w, 'e, 't, 's> {
+    walk: &'w mut Walk<'e, 't, 's>,
     group: &'w mut Group,
     here: &'w Here,
 }
 
-impl shapes::Taker for InGroup<'_, '_, '_> {
+impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
         let (system_from_frame, route) = shapes::way(&placed);
         let inner = Here {
@@ -348,5 +365,16 @@ impl shapes::Taker for InGroup<'_, '_, '_> {
             solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
         });
         Ok(())
+    }
+
+    fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
+        let mut parts = Vec::new();
+        let Some(take) = self.walk.stems.as_deref_mut() else { return shapes::each_part(self, stem, joints) };
+        joints.parts(stem, |mut part| {
+            part.stem_from_part = self.here.group_from_here * part.stem_from_part;
+            part.material = part.material.or(self.here.material);
+            parts.push(part);
+        });
+        take(&parts)
     }
 }

@@ -1,0 +1,18 @@
+//! Meshes: a scene as triangles, for the programs that know nothing else.
+//!
+//! In comes a [`Scene`](crate::form::Scene); out comes a [`Mesh`]: an acyclic graph of [`Component`]s, one for each state of the scene, each
+//! with triangles of its own and with the components that are laid down in it. What the rules lay down many times is there once.
+//! Small components are merged into those that hold them (`merge`), so that there are few.
+//!
+//! What has no mesh is left out and told of: solids without an end, Booleans, recursions without an end.
+
+mod component;
+mod merge;
+mod model;
+mod solid;
+mod stem;
+mod surface;
+
+pub use component::{Component, Instance, Instances, LeftOut, Mesh, Painted, Placed, WhatLeftOut};
+pub use model::mesh;
+pub use surface::{Mapping, Surface, Vertex};

@@ -74,7 +74,7 @@ pub fn export(arguments: Render, format: Format, console: Console) -> Result<(),
     }
     let nodes = finish(outputs, &mesh, &understood.scene, &progress)?;
     let (triangles, seconds) = (mesh.triangles(), start.elapsed().as_secs_f64());
-    let nodes = nodes.map_or(String::new(), |it| format!(" at {it} nodes"));
+    let nodes = nodes.map_or(String::new(), |it| format!(" at {it} {}", if it == 1 { "node" } else { "nodes" }));
     console.tell(&format!("{}: {triangles} triangles{nodes} in {seconds:.2} s", shown(&output)));
     Ok(())
 }

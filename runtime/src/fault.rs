@@ -172,8 +172,6 @@ pub enum Limit {
     Primitives,
     /// Triangles of a mesh.
     Triangles,
-    /// Nodes of a mesh.
-    MeshNodes,
     /// Pixels of a picture.
     Pixels,
     /// Samples of a pixel.

@@ -31,7 +31,7 @@ pub struct Limits {
     pub primitives: u64,
     /// Triangles of a mesh.
     pub triangles: u64,
-    /// Nodes of a mesh: places where parts of it are laid down.
+    /// Places where parts of a mesh are laid down; where there would be more, they are larger.
     pub mesh_nodes: u64,
     /// Bytes for cells that are kept. It affects the time, never the picture.
     pub cell_bytes: u64,

@@ -8,6 +8,7 @@ mod files;
 mod help;
 mod inspect;
 mod interrupts;
+mod mesh;
 mod output;
 mod same_bytes;
 mod support;

@@ -202,7 +202,6 @@ fn limit_code(limit: Limit) -> &'static str {
         Limit::Strides => "E0925",
         Limit::Primitives => "E0921",
         Limit::Triangles => "E0926",
-        Limit::MeshNodes => "E0927",
     }
 }
 
@@ -223,7 +222,6 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Strides => "a derivation takes more steps than the limit",
         Limit::Primitives => "the scene has more primitives than the limit",
         Limit::Triangles => "the mesh has more triangles than the limit",
-        Limit::MeshNodes => "the mesh lays its parts down more often than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
     }
 }

@@ -145,16 +145,17 @@ impl Mesh {
     /// That there are more, with the way to where most of them are.
     pub fn check_triangles(&self, most: u64) -> Result<(), Fault> {
         let sums = self.triangles_below();
-        let (Some(whole), Some(sum)) = (self.components.last(), sums.last()) else { return Ok(()) };
-        if *sum <= most {
-            return Ok(());
-        }
+        if sums.last().is_none_or(|it| *it <= most) { Ok(()) } else { Err(self.too_many_triangles(most, &sums)) }
+    }
+
+    /// The fault of too many triangles, with the way to where most of them are.
+    pub(super) fn too_many_triangles(&self, most: u64, sums: &[u64]) -> Fault {
         let heaviest = |it: &&Component| it.placed.iter().map(|it| it.component).max_by_key(|it| sums[*it]);
         let inner = |it: &&Component| Some(&self.components[heaviest(it).filter(|it| sums[*it] > most)?]);
-        let way: Vec<&Component> = std::iter::successors(Some(whole), |it| inner(it)).collect();
+        let way: Vec<&Component> = std::iter::successors(self.components.last(), inner).collect();
         let fault = Fault::new(FaultKind::Limit { limit: Limit::Triangles, most }, Origin::NONE);
         let step = |it: &&Component| TrailStep { name: it.name.clone(), values: Vec::new(), origin: Origin::NONE };
-        Err(way.iter().rev().map(step).fold(fault, Fault::reached_through))
+        way.iter().rev().map(step).fold(fault, Fault::reached_through)
     }
 
     /// How many triangles are to be seen: those of a component as often as it is laid down.

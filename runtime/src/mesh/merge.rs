@@ -7,10 +7,9 @@
 use glam::DAffine3;
 
 use super::component::{Component, Mesh, Placed};
-use super::model::limit;
 use super::surface::Mapping;
-use crate::fault::{Fault, Limit};
-use crate::form::{MaterialId, Origin};
+use crate::fault::Fault;
+use crate::form::MaterialId;
 use crate::limits::Limits;
 
 /// A component of so many triangles is small.
@@ -19,7 +18,7 @@ const SMALL: u64 = 1024;
 /// The same mesh in fewer components.
 ///
 /// # Errors
-/// A limit.
+/// More triangles than the limit.
 pub(super) fn merge(mut mesh: Mesh, limits: &Limits) -> Result<Mesh, Fault> {
     let plan = Plan::of(&mesh, limits)?;
     mesh.components = plan.merged(mesh.components);
@@ -51,13 +50,11 @@ impl Plan {
             let plan = Self { is_merged: (0..components.len()).map(is_merged).collect(), uses: uses.clone() };
             let (places, triangles) = plan.cost(components);
             if triangles > limits.triangles {
-                return Err(limit(Limit::Triangles, limits.triangles, Origin::NONE));
+                return Err(mesh.too_many_triangles(limits.triangles, &sums));
             }
-            if places <= limits.mesh_nodes {
+            // What is laid down in the largest that are kept is stored, so this ends before `small` is more than the limit.
+            if places <= limits.mesh_nodes || small > limits.triangles {
                 return Ok(plan);
-            }
-            if small > limits.triangles {
-                return Err(limit(Limit::MeshNodes, limits.mesh_nodes, Origin::NONE));
             }
             small = small.saturating_mul(4);
         }

@@ -215,6 +215,6 @@ fn first_origin(group: &Group) -> Option<Origin> {
     })
 }
 
-pub(super) fn limit(limit: Limit, most: u64, origin: Origin) -> Fault {
+fn limit(limit: Limit, most: u64, origin: Origin) -> Fault {
     Fault::new(FaultKind::Limit { limit, most }, origin)
 }

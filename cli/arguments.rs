@@ -7,6 +7,7 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum, error::ErrorKind};
 use treegen_compiler::Setting;
 use treegen_runtime::Limits;
+use treegen_runtime::mesh::StemSurface;
 use treegen_runtime::picture::Rect;
 use treegen_runtime::trace::cells::Culling as CullingMode;
 
@@ -115,6 +116,9 @@ pub struct Render {
     /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end, if it has one
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
     pub detail: f64,
+    /// How the surface of stems is made
+    #[arg(long, value_name = "SURFACE", default_value = "cones", help_heading = "Mesh")]
+    pub surface: Surface,
     /// Triangles that a mesh has at most; where there are more, that is an error and no file is written
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_TRIANGLES), default_value_t = Limits::default().triangles)]
     #[arg(help_heading = "Mesh")]
@@ -155,6 +159,27 @@ pub struct Program {
     /// Another seed draws another tree
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
+}
+
+/// How the surface of stems is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Surface {
+    /// Each segment a cone of eight flat pieces
+    Cones,
+    /// Rounded at bends: a Catmull-Clark surface, subdivided once
+    Smooth,
+    /// The same, subdivided twice
+    Smoother,
+}
+
+impl From<Surface> for StemSurface {
+    fn from(surface: Surface) -> Self {
+        match surface {
+            Surface::Cones => Self::Cones,
+            Surface::Smooth => Self::Smooth,
+            Surface::Smoother => Self::Smoother,
+        }
+    }
 }
 
 /// What is passed over unseen.

@@ -133,7 +133,7 @@ fn make(
     let understood = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&understood.files.paths())?;
     let fail = |fault: Fault| understood.failure(&fault, console);
-    let mesh = mesh::mesh(&understood.scene, &limits, progress).map_err(fail)?;
+    let mesh = mesh::mesh(&understood.scene, arguments.surface.into(), &limits, progress).map_err(fail)?;
     understood.warn_of(&mesh.left_out, console);
     if mesh.triangles() == 0 {
         return Err(fail(Fault::new(FaultKind::NoMesh, Origin::NONE)));

@@ -84,3 +84,12 @@ fn a_mesh_goes_through_a_pipe() {
     folder.run(&["a.tg", "-o", "a.ply"]).ended(0);
     assert_eq!(folder.read("read"), folder.read("a.ply"));
 }
+
+#[test]
+fn smooth_stems_have_more_triangles() {
+    let folder = Folder::with(&[("a.tg", STEM)]);
+    let told = [("cones", "28 triangles"), ("smooth", "44 triangles"), ("smoother", "156 triangles")];
+    for (surface, words) in told {
+        folder.run(&["a.tg", "-o", "a.glb", "--surface", surface]).ended(0).saying(&[words]);
+    }
+}

@@ -2,7 +2,7 @@
 
 use treegen_runtime::Limits;
 use treegen_runtime::export::{write_mtl, write_obj, write_ply};
-use treegen_runtime::mesh::mesh;
+use treegen_runtime::mesh::{StemSurface, mesh};
 
 use crate::common::scene;
 
@@ -12,7 +12,7 @@ const TINY: &str = "material Red { color: (1, .5, 0), range: (0, .2, 0), gloss: 
 #[test]
 fn a_tiny_obj_with_its_materials() {
     let scene = scene(TINY);
-    let mesh = mesh(&scene, &Limits::default(), &()).unwrap();
+    let mesh = mesh(&scene, StemSurface::Cones, &Limits::default(), &()).unwrap();
     let (mut obj, mut mtl) = (Vec::new(), Vec::new());
     write_obj(&mesh, &scene.materials, Some("tiny.mtl"), &mut obj).unwrap();
     write_mtl(&mesh, &scene.materials, &mut mtl).unwrap();
@@ -24,7 +24,7 @@ fn a_tiny_obj_with_its_materials() {
 #[test]
 fn a_tiny_ply() {
     let scene = scene(TINY);
-    let mesh = mesh(&scene, &Limits::default(), &()).unwrap();
+    let mesh = mesh(&scene, StemSurface::Cones, &Limits::default(), &()).unwrap();
     let mut ply = Vec::new();
     write_ply(&mesh, &scene.materials, &mut ply).unwrap();
     let end = b"end_header\n";

@@ -4,7 +4,7 @@ use glam::{DMat4, DQuat, DVec3};
 use serde_json::Value;
 use treegen_runtime::Limits;
 use treegen_runtime::export::write_gltf;
-use treegen_runtime::mesh::mesh;
+use treegen_runtime::mesh::{StemSurface, mesh};
 
 use crate::common::scene;
 use crate::support::{corners, made, triangles};
@@ -17,7 +17,7 @@ struct File {
 
 fn file(text: &str) -> File {
     let scene = scene(text);
-    let mesh = mesh(&scene, &Limits::default(), &()).unwrap();
+    let mesh = mesh(&scene, StemSurface::Cones, &Limits::default(), &()).unwrap();
     let mut bytes = Vec::new();
     let nodes = write_gltf(&mesh, &scene.materials, &mut bytes).unwrap();
     let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;

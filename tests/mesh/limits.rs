@@ -2,7 +2,7 @@
 
 use treegen_compiler::{problem_of_fault, problem_of_left_out};
 use treegen_runtime::Limits;
-use treegen_runtime::mesh::{Mesh, mesh};
+use treegen_runtime::mesh::{Mesh, StemSurface, mesh};
 
 use crate::common::compiled;
 use crate::support::made;
@@ -11,7 +11,8 @@ use crate::support::made;
 fn within(text: &str, triangles: u64, mesh_nodes: u64) -> Result<Mesh, &'static str> {
     let compiled = compiled(text);
     let limits = Limits { triangles, mesh_nodes, ..Limits::default() };
-    mesh(&compiled.scene.unwrap(), &limits, &()).map_err(|it| problem_of_fault(&it, &compiled.vocabulary).code)
+    mesh(&compiled.scene.unwrap(), StemSurface::Cones, &limits, &())
+        .map_err(|it| problem_of_fault(&it, &compiled.vocabulary).code)
 }
 
 fn sierpinski(order: &str) -> String {

@@ -4,7 +4,11 @@ use glam::DVec3;
 use treegen_runtime::geometry::Ray;
 
 use crate::solids::open_edges;
-use crate::support::{Numbers, bounds, facing, made, met, position, traced, traced_bounds, triangles, volume};
+use treegen_runtime::mesh::StemSurface;
+
+use crate::support::{
+    Numbers, bounds, facing, made, made_with, met, position, traced, traced_bounds, triangles, volume,
+};
 
 /// A stem that bends by so many degrees at each of its joints, turning as it goes, and ends in a point.
 fn bent(degrees: f64) -> String {
@@ -144,6 +148,74 @@ fn plants_are_as_large_as_the_tracer_says() {
         for off in [low - least, most - high] {
             // A stem as thick as a twentieth of the plant, less its chord.
             assert!(off.min_element() > -1e-6 * size && off.max_element() < 0.005 * size, "{name}: {off}");
+        }
+    }
+}
+
+const SMOOTH: [(StemSurface, u32); 2] = [(StemSurface::Smooth, 1), (StemSurface::Smoother, 2)];
+
+#[test]
+fn a_smooth_stem_is_one_closed_surface_however_it_bends() {
+    for (stems, iterations) in SMOOTH {
+        for degrees in [0.0, 5.0, 30.0, 70.0] {
+            let triangles = triangles(&made_with(&bent(degrees), stems));
+            assert_eq!(open_edges(&triangles), 0, "{degrees}");
+            // Of four polygons a segment each becomes four, each time; at the tip they have one triangle; the root has a cap.
+            let (sides, rows) = (4 << iterations, 8 << iterations);
+            assert_eq!(triangles.len(), sides * (2 * rows - 1) + sides - 2, "{degrees}");
+            assert!(volume(&triangles) > 0.0);
+            for triangle in &triangles {
+                let flat = facing(triangle);
+                let leaning =
+                    |it: &treegen_runtime::mesh::Vertex| DVec3::from_array(it.normal.map(f64::from)).dot(flat);
+                assert!(triangle.iter().map(leaning).sum::<f64>() > 0.0, "{degrees}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_straight_smooth_stem_keeps_to_its_cone() {
+    // The spline of a square with corners 1.5 out: 1 at its corners, 11/12 of 1.5 cos 45° between them.
+    let least = 1.5 * 11.0 / 12.0 * std::f64::consts::FRAC_1_SQRT_2;
+    let text = "shape Stem { start repeat 4 { segment(1, .5, .5) }; }";
+    for (stems, iterations) in SMOOTH {
+        let triangles = triangles(&made_with(text, stems));
+        // Vertices at the rows of both ends, too: they are as wide there.
+        for vertex in triangles.iter().flatten() {
+            let part = position(vertex).truncate().length() / 0.5;
+            assert!((least - 1e-6..1.0 + 1e-6).contains(&part), "{part}");
+        }
+        let sides = f64::from(4 << iterations);
+        let inscribed = sides / 2.0 * libm::sin(std::f64::consts::TAU / sides);
+        let part = volume(&triangles) / (4.0 * 0.25 * inscribed);
+        assert!((0.95..1.0).contains(&part), "{part}");
+        let (low, high) = bounds(&triangles);
+        assert!((low.z - 0.0).abs() < 1e-6 && (high.z - 4.0).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn where_the_paint_of_a_smooth_stem_changes_there_is_no_gap() {
+    let text = "material Red { color: (1, 0, 0) }
+        shape Stem { start segment(1, .3, .25) rotx(30) paint(Red) segment(1, .25, .2) rotx(30) segment(1, .2, .1); }";
+    for (stems, _) in SMOOTH {
+        let mesh = made_with(text, stems);
+        assert_eq!(mesh.paints().len(), 2);
+        assert_eq!(open_edges(&triangles(&mesh)), 0);
+    }
+}
+
+#[test]
+fn smooth_plants_are_nearly_as_large_as_the_tracer_says() {
+    for name in ["elm", "aloe"] {
+        let text = std::fs::read_to_string(format!("examples/{name}.tg")).unwrap();
+        let (least, most) = traced_bounds(&text);
+        for (stems, _) in SMOOTH {
+            let (low, high) = bounds(&triangles(&made_with(&text, stems)));
+            let size = (most - least).max_element();
+            assert!((low - least).abs().max_element() < 0.01 * size, "{name}: {low} {least}");
+            assert!((high - most).abs().max_element() < 0.01 * size, "{name}: {high} {most}");
         }
     }
 }

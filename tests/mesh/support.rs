@@ -3,7 +3,7 @@
 use glam::DVec3;
 use treegen_runtime::Limits;
 use treegen_runtime::geometry::Ray;
-use treegen_runtime::mesh::{Mapping, Mesh, Vertex, mesh};
+use treegen_runtime::mesh::{Mapping, Mesh, StemSurface, Vertex, mesh};
 use treegen_runtime::trace::reference::Reference;
 use treegen_runtime::trace::{Beam, Seen, Tracer};
 
@@ -13,7 +13,11 @@ use crate::common::scene;
 pub(crate) type Triangle = [Vertex; 3];
 
 pub(crate) fn made(text: &str) -> Mesh {
-    mesh(&scene(text), &Limits::default(), &()).unwrap_or_else(|fault| panic!("{fault:?}"))
+    made_with(text, StemSurface::Cones)
+}
+
+pub(crate) fn made_with(text: &str, stems: StemSurface) -> Mesh {
+    mesh(&scene(text), stems, &Limits::default(), &()).unwrap_or_else(|fault| panic!("{fault:?}"))
 }
 
 /// All triangles of a mesh, where they are in the world.

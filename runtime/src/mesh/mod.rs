@@ -9,10 +9,35 @@
 mod component;
 mod merge;
 mod model;
+mod smooth;
 mod solid;
 mod stem;
+mod subdivide;
 mod surface;
 
 pub use component::{Component, Instance, Instances, LeftOut, Mesh, Painted, Placed, WhatLeftOut};
 pub use model::mesh;
 pub use surface::{Mapping, Surface, Vertex};
+
+/// How the surface of stems is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StemSurface {
+    /// Cones of eight flat pieces.
+    #[default]
+    Cones,
+    /// Square pyramids, subdivided once.
+    Smooth,
+    /// Square pyramids, subdivided twice.
+    Smoother,
+}
+
+impl StemSurface {
+    /// How often pyramids are subdivided.
+    fn iterations(self) -> u32 {
+        match self {
+            Self::Cones => 0,
+            Self::Smooth => 1,
+            Self::Smoother => 2,
+        }
+    }
+}

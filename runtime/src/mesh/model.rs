@@ -7,7 +7,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::component::{Component, LeftOut, Mesh, Placed, WhatLeftOut};
 use super::surface::Mapping;
-use super::{merge, solid, stem};
+use super::{StemSurface, merge, solid, stem};
 use crate::export::Boolean;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{Origin, Scene};
@@ -20,12 +20,13 @@ use crate::trace::{Entry, Expander, Group, Item, Solid, State};
 ///
 /// # Errors
 /// A fault of the scene, or a limit.
-pub fn mesh(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<Mesh, Fault> {
+pub fn mesh(scene: &Scene, stems: StemSurface, limits: &Limits, watch: &dyn Watch) -> Result<Mesh, Fault> {
     let expander = Expander::new(scene, limits);
     let root = expander.root()?;
     let mut builder = Builder {
         scene,
         expander,
+        stems,
         limits: *limits,
         watch,
         known: HashMap::new(),
@@ -62,6 +63,7 @@ struct Open {
 struct Builder<'s> {
     scene: &'s Scene,
     expander: Expander<'s>,
+    stems: StemSurface,
     limits: Limits,
     watch: &'s dyn Watch,
     known: HashMap<State, Known>,
@@ -118,11 +120,11 @@ impl Builder<'_> {
         let (name, is_system) = self.name(&state);
         let mut component = Component { name, is_system, ..Component::default() };
         let mut budget = Budget { most: self.limits.triangles, left: self.limits.triangles - self.triangles };
-        let painted = &mut component.painted;
+        let (painted, stems) = (&mut component.painted, self.stems);
         let group = self.expander.expand_but_stems(&state, &mut |parts: &[Part]| {
             let origin = parts.first().map_or(Origin::NONE, |it| it.origin);
             budget.fits(stem::LEAST_TRIANGLES * parts.len() as u64, origin)?;
-            budget.spend(stem::add(parts, painted), origin)
+            budget.spend(stem::add(parts, stems, painted), origin)
         })?;
         let mut ahead = Vec::new();
         for item in group.items {

@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::Painted;
 use super::solid::{fan, turned};
 use super::surface::{Mapping, Surface};
+use super::{Painted, StemSurface, smooth};
 use crate::geometry::{Part, Primitive, Wrap};
 
 /// How many flat pieces go round a segment.
-const SLICES: usize = 8;
+pub(super) const SLICES: usize = 8;
 
 /// How many triangles the mesh of a part of a stem has at least: the sides of one that ends in a point.
 pub(super) const LEAST_TRIANGLES: u64 = SLICES as u64;
@@ -35,16 +35,26 @@ struct Ring {
 }
 
 /// A segment that is being joined to what lies before and after it.
-struct Cone<'p> {
-    part: &'p Part,
+pub(super) struct Cone<'p> {
+    pub(super) part: &'p Part,
     rings: [Ring; 2],
     /// Whether its ends go on in its neighbours.
-    joined: [bool; 2],
+    pub(super) joined: [bool; 2],
 }
 
 /// Adds a stem, from all its parts in order; gives the number of its triangles.
-pub(super) fn add(parts: &[Part], painted: &mut Painted) -> u64 {
+pub(super) fn add(parts: &[Part], surface: StemSurface, painted: &mut Painted) -> u64 {
     let before = painted.triangles();
+    let cones = joined(parts);
+    match surface.iterations() {
+        0 => add_cones(parts, &cones, painted),
+        iterations => smooth::add(parts, &cones, iterations, painted),
+    }
+    painted.triangles() - before
+}
+
+/// The segments of a stem, joined to each other; `None` for balls.
+fn joined(parts: &[Part]) -> Vec<Option<Cone<'_>>> {
     let mut cones: Vec<Option<Cone<'_>>> = parts.iter().map(Cone::new).collect();
     for number in 1..cones.len() {
         let (before, after) = cones.split_at_mut(number);
@@ -52,10 +62,14 @@ pub(super) fn add(parts: &[Part], painted: &mut Painted) -> u64 {
             join(before, after);
         }
     }
+    cones
+}
+
+fn add_cones(parts: &[Part], cones: &[Option<Cone<'_>>], painted: &mut Painted) {
     // The row of vertices where the last segment ended, if it goes on in the next one.
     let mut row: Option<[u32; SLICES + 1]> = None;
     let mut material = None;
-    for (part, cone) in parts.iter().zip(&cones) {
+    for (part, cone) in parts.iter().zip(cones) {
         if part.material != material {
             (row, material) = (None, part.material);
         }
@@ -64,13 +78,17 @@ pub(super) fn add(parts: &[Part], painted: &mut Painted) -> u64 {
             Some(cone) => row = cone.write(row, surface),
             None => {
                 row = None;
-                if let Some(ball) = super::solid::mesh(&part.primitive) {
-                    surface.add(&ball, &Mapping::new(&part.stem_from_part));
-                }
+                add_ball(part, surface);
             }
         }
     }
-    painted.triangles() - before
+}
+
+/// The ball that stands in a joint.
+pub(super) fn add_ball(part: &Part, surface: &mut Surface) {
+    if let Some(ball) = super::solid::mesh(&part.primitive) {
+        surface.add(&ball, &Mapping::new(&part.stem_from_part));
+    }
 }
 
 /// A segment by itself, in its own frame.
@@ -153,20 +171,30 @@ impl<'p> Cone<'p> {
         })
     }
 
+    /// The corners at one of its ends.
+    pub(super) fn ring(&self, end: usize) -> &[DVec3; SLICES] {
+        &self.rings[end].points
+    }
+
+    /// The outward normal of the cut at one of its ends.
+    pub(super) fn cut(&self, end: usize) -> DVec3 {
+        let face = if end == 0 { 1 } else { 2 };
+        (self.part.stem_from_part.matrix3 * self.part.primitive.normal(DVec3::ZERO, face)).normalize()
+    }
+
     fn cap(&self, end: usize, surface: &mut Surface) {
         let points = &self.rings[end].points;
         if points[0] == points[1] {
             return;
         }
-        let face = if end == 0 { 1 } else { 2 };
-        let normal = (self.part.stem_from_part.matrix3 * self.part.primitive.normal(DVec3::ZERO, face)).normalize();
+        let normal = self.cut(end);
         let corners: [(DVec3, DVec2); SLICES] =
             std::array::from_fn(|slice| (points[slice], turned(TAU * slice as f64 / SLICES as f64) * 0.5 + 0.5));
         fan(&corners, normal, end == 0, surface);
     }
 }
 
-fn middle(points: &[DVec3; SLICES]) -> DVec3 {
+pub(super) fn middle(points: &[DVec3; SLICES]) -> DVec3 {
     points.iter().sum::<DVec3>() / SLICES as f64
 }
 

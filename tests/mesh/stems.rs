@@ -1,5 +1,7 @@
 //! Meshes of stems.
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 use treegen_runtime::geometry::Ray;
 
@@ -217,5 +219,17 @@ fn smooth_plants_are_nearly_as_large_as_the_tracer_says() {
             assert!((low - least).abs().max_element() < 0.01 * size, "{name}: {low} {least}");
             assert!((high - most).abs().max_element() < 0.01 * size, "{name}: {high} {most}");
         }
+    }
+}
+
+#[test]
+fn long_smooth_stems_are_made_in_stretches_that_meet_to_the_bit() {
+    let text = "shape Stem { start repeat 700 as i { rotz(50) rotx(7) segment(1, .3, .3) }; }";
+    for (stems, iterations) in SMOOTH {
+        let triangles = triangles(&made_with(text, stems));
+        let places: HashSet<[u32; 3]> = triangles.iter().flatten().map(|it| it.position.map(f32::to_bits)).collect();
+        let (sides, rows) = (4 << iterations, 700 << iterations);
+        assert_eq!(places.len(), sides * (rows + 1));
+        assert_eq!(triangles.len(), 2 * sides * rows + 2 * (sides - 2));
     }
 }

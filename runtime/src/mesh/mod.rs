@@ -40,4 +40,13 @@ impl StemSurface {
             Self::Smoother => 2,
         }
     }
+
+    /// How many triangles a part of a stem has at least: the sides of a segment that ends in a point.
+    fn least_triangles(self) -> u64 {
+        match self {
+            Self::Cones => 8,
+            Self::Smooth => 24,
+            Self::Smoother => 112,
+        }
+    }
 }

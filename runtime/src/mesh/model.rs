@@ -108,8 +108,17 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Begins with a state: its own triangles are made.
+    /// Begins with a state.
     fn enter(&mut self, state: State, origin: Origin) -> Result<(), Fault> {
+        let begun = self.begin(&state, origin);
+        let (ahead, component) = begun.map_err(|it| it.reached_through(self.expander.trail_step(&state, origin)))?;
+        self.known.insert(state.clone(), Known::Open);
+        self.open.push(Open { state, origin, ahead, component });
+        Ok(())
+    }
+
+    /// Makes the triangles of a state's own; gives what is to be laid down in it, too, the next one last.
+    fn begin(&mut self, state: &State, origin: Origin) -> Result<(Vec<Item>, Component), Fault> {
         self.watch_over()?;
         if self.open.len() >= self.limits.depth as usize {
             return Err(limit(Limit::Depth, u64::from(self.limits.depth), origin));
@@ -117,13 +126,13 @@ impl Builder<'_> {
         if self.known.len() >= self.limits.items as usize {
             return Err(limit(Limit::Nodes, u64::from(self.limits.items), origin));
         }
-        let (name, is_system) = self.name(&state);
+        let (name, is_system) = self.name(state);
         let mut component = Component { name, is_system, ..Component::default() };
         let mut budget = Budget { most: self.limits.triangles, left: self.limits.triangles - self.triangles };
         let (painted, stems) = (&mut component.painted, self.stems);
-        let group = self.expander.expand_but_stems(&state, &mut |parts: &[Part]| {
+        let group = self.expander.expand_but_stems(state, &mut |parts: &[Part]| {
             let origin = parts.first().map_or(Origin::NONE, |it| it.origin);
-            budget.fits(stem::LEAST_TRIANGLES * parts.len() as u64, origin)?;
+            budget.fits(stems.least_triangles() * parts.len() as u64, origin)?;
             budget.spend(stem::add(parts, stems, painted), origin)
         })?;
         let mut ahead = Vec::new();
@@ -150,9 +159,7 @@ impl Builder<'_> {
         }
         ahead.reverse();
         self.triangles = budget.most - budget.left;
-        self.known.insert(state.clone(), Known::Open);
-        self.open.push(Open { state, origin, ahead, component });
-        Ok(())
+        Ok((ahead, component))
     }
 
     /// Ends with the state that was begun last: its component is made.

@@ -6,6 +6,7 @@
 //! Where a stem ends, or its paint changes, the border's own rules hold; two borders of one ring are one curve.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
@@ -21,6 +22,11 @@ const SIDES: usize = 4;
 
 /// How far out corners are, so that the spline of a square has the radius of the cone: (2/3)⁻¹.
 const OUT: f64 = 1.5;
+
+/// So many segments are subdivided at once, and memory goes with them,
+const STRETCH: usize = 256;
+/// with so many more at both ends: a point depends on none that are further away, so stretches meet to the bit.
+const REACH: usize = 4;
 
 /// Adds a stem whose segments are joined; balls stay as they are.
 pub(super) fn add(parts: &[Part], cones: &[Option<Cone<'_>>], iterations: u32, painted: &mut Painted) {
@@ -42,14 +48,19 @@ pub(super) fn add(parts: &[Part], cones: &[Option<Cone<'_>>], iterations: u32, p
 fn end(chain: &mut Vec<&Cone<'_>>, iterations: u32, painted: &mut Painted) {
     let (Some(first), Some(last)) = (chain.first(), chain.last()) else { return };
     let surface = painted.surface(first.part.material);
-    let mut mesh = (0..iterations).fold(coarse(chain), |mesh, _| mesh.subdivided());
-    mesh.settle();
-    write(&mesh, surface);
-    // Points of the coarse mesh come first, so the rings at both ends are where they were.
-    let sides = SIDES << iterations;
-    for (cone, end, at) in [(first, 0, 0), (last, 1, chain.len())] {
-        if !cone.joined[end] {
-            cap(&border(&mesh, at * SIDES, sides), cone.cut(end), surface);
+    let (sides, faces) = (SIDES << iterations, SIDES << (2 * iterations));
+    for from in (0..chain.len()).step_by(STRETCH) {
+        let to = (from + STRETCH).min(chain.len());
+        let (low, high) = (from.saturating_sub(REACH), (to + REACH).min(chain.len()));
+        let mut mesh = (0..iterations).fold(coarse(&chain[low..high]), |mesh, _| mesh.subdivided());
+        mesh.settle();
+        write(&mesh, (from - low) * faces..(to - low) * faces, surface);
+        // Points of the coarse mesh come first, so the rings at both ends are where they were.
+        if from == 0 && !first.joined[0] {
+            cap(&border(&mesh, 0, sides), first.cut(0), surface);
+        }
+        if to == chain.len() && !last.joined[1] {
+            cap(&border(&mesh, (to - low) * SIDES, sides), last.cut(1), surface);
         }
     }
     chain.clear();
@@ -76,11 +87,11 @@ fn coarse(chain: &[&Cone<'_>]) -> Polygons {
     mesh
 }
 
-/// Adds the faces of a mesh. A vertex is one where its polygons agree about its texture coordinates.
-fn write(mesh: &Polygons, surface: &mut Surface) {
+/// Adds some faces of a mesh. A vertex is one where its polygons agree about its texture coordinates.
+fn write(mesh: &Polygons, faces: Range<usize>, surface: &mut Surface) {
     let normals = mesh.normals();
     let mut vertices: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
-    for face in &mesh.faces {
+    for face in &mesh.faces[faces] {
         let numbers: Vec<u32> = face
             .iter()
             .map(|corner| {

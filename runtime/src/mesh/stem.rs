@@ -17,9 +17,6 @@ use crate::geometry::{Part, Primitive, Wrap};
 /// How many flat pieces go round a segment.
 pub(super) const SLICES: usize = 8;
 
-/// How many triangles the mesh of a part of a stem has at least: the sides of one that ends in a point.
-pub(super) const LEAST_TRIANGLES: u64 = SLICES as u64;
-
 /// How far a point may be from a rim, as a part of its size, and still be on it. Segments that agree about the radius may
 /// differ by a millionth of it.
 const ON_RIM: f64 = 1e-5;

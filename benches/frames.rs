@@ -13,7 +13,7 @@ use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use treegen_compiler::{Compiled, Loaded, NoFiles, Options, Setting, compile, show};
 use treegen_runtime::form::Scene;
-use treegen_runtime::picture::{Picture, RenderOptions, render};
+use treegen_runtime::picture::{Picture, RayCounts, RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
 
@@ -49,6 +49,7 @@ struct Arguments {
 struct Numbers {
     frames: u32,
     camera: u64,
+    reflected: u64,
     shadow: u64,
     /// Pixels in which something is seen.
     hits: usize,
@@ -101,6 +102,7 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
     Ok(Numbers {
         frames: arguments.frames,
         camera: picture.rays.camera,
+        reflected: picture.rays.reflected,
         shadow: picture.rays.shadow,
         hits: picture.color.iter().filter(|it| it[3] > 0.0).count(),
         prepare_cpu_s,
@@ -117,7 +119,8 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
 
 /// Millions of rays a second.
 fn rate(picture: &Picture, seconds: f64) -> f64 {
-    (picture.rays.camera + picture.rays.shadow) as f64 / seconds / 1e6
+    let RayCounts { camera, reflected, shadow } = picture.rays;
+    (camera + reflected + shadow) as f64 / seconds / 1e6
 }
 
 /// The result of some work, and the processor time that this thread took for it, in seconds.

@@ -19,7 +19,7 @@ use crate::console::{Console, shown};
 use crate::exit::{Exit, Failure};
 use crate::output::{Place, Sink, Staged};
 use crate::progress::Bar;
-use crate::stats::{CpuSeconds, Rays, Seconds, Stats, cpu_seconds, peak_rss_bytes};
+use crate::stats::{CpuSeconds, Seconds, Stats, cpu_seconds, peak_rss_bytes};
 use crate::supervise::{Progress, STACK_BYTES, no_thread, supervise};
 
 /// How a picture is written.
@@ -198,7 +198,7 @@ fn look(
 impl Traced {
     fn stats(&self, compile: f64) -> Stats {
         Stats {
-            rays: Rays { camera: self.picture.rays.camera, shadow: self.picture.rays.shadow },
+            rays: self.picture.rays.into(),
             seconds: Seconds { compile, prepare: self.prepare, render: self.render },
             cpu_seconds: CpuSeconds { render: self.cpu },
             states: self.counts.map(|it| it.states),

@@ -1,6 +1,7 @@
 //! What `--stats` writes, and how the time and memory of the process are found.
 
 use serde::Serialize;
+use treegen_runtime::picture::RayCounts;
 
 /// The numbers of a run. What is not known on this system, or to this tracer, is `null`.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -26,8 +27,16 @@ pub struct Stats {
 pub struct Rays {
     /// From the eye.
     pub camera: u64,
+    /// From a mirror.
+    pub reflected: u64,
     /// To a light.
     pub shadow: u64,
+}
+
+impl From<RayCounts> for Rays {
+    fn from(RayCounts { camera, reflected, shadow }: RayCounts) -> Self {
+        Self { camera, reflected, shadow }
+    }
 }
 
 /// Seconds by the clock.

@@ -14,12 +14,25 @@ use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
 
 /// Smaller forms, for the reference walker goes through every copy on every ray.
-const SETTINGS: [(&str, &str, &str); 5] = [
+const SETTINGS: [(&str, &str, &str); 18] = [
     ("autumn", "Litter.leaves", "60"),
     ("autumn", "Tree.age", "3"),
+    ("carpenter", "Carpenter.order", "3"),
+    ("conifer", "Conifer.order", "1"),
+    ("conifer", "Conifer.rings", "4"),
+    ("flower", "Flower.florets", "40"),
+    ("flower", "Flower.petals", "9"),
+    ("landsberg", "order", "4"),
     ("menger", "Menger.order", "2"),
+    ("palm_csg", "Palm.leaflets", "6"),
+    ("palm_csg", "Palm.rings", "5"),
+    ("palm_csg", "Palm.twigs", "4"),
     ("sierpinski", "Sierpinski.order", "3"),
+    ("stochastic", "Bed.plants", "3"),
+    ("stochastic", "Plant.age", "5"),
     ("sympodial", "Sympodial.order", "4"),
+    ("zoom", "Endless.order", "3"),
+    ("zoom", "zoom", "1"),
 ];
 
 #[test]
@@ -32,7 +45,7 @@ fn both_tracers_make_the_same_picture_of_every_program() {
             count += 1;
         }
     }
-    assert!(count >= 6, "{count} programs");
+    assert!(count >= 13, "{count} programs");
 }
 
 fn assert_same_pictures(path: &Path) {

@@ -338,3 +338,49 @@ fn hard_cases_of_geometry_look_as_they_do_by_the_book() {
     });
     assert!(different.is_empty(), "{}", different.join("\n"));
 }
+
+#[test]
+fn textures_and_mirrors_of_any_numbers_make_pictures_of_numbers() {
+    let painted = |textures: &str, material: &str, show: &str| {
+        format!("{textures} material M {{ {material} }} scene {{ show paint(M) {show}; }}")
+    };
+    let kinds = ["kind: fbm, octaves: 16, lacunarity: LARGE", "kind: fourier, terms: 12, ratio: LARGE"];
+    let mut programs = vec![
+        painted("", "mirror: 1", "(halfspace(0,1,0,-1) | halfspace(0,-1,0,-1))"),
+        painted("", "mirror: 1, color: (0,0,0)", "uscale(3) (box \\ uscale(.9) box)"),
+        painted("", "mirror: .5, gloss: 1", "repeat 20 as i { move(0,i,0) triangle }"),
+    ];
+    for kind in kinds {
+        for (large, rest) in [
+            ("2", "frequency: 1e300"),
+            ("2", "frequency: 1e-300"),
+            ("1e30", "stretch: (1e-300, 1, 1e300)"),
+            ("1e-30", "offset: (1e300, -1e300, 0)"),
+            ("1", "seed: -1e300, space: world"),
+        ] {
+            let texture = format!("texture T {{ {}, {rest} }}", kind.replace("LARGE", large));
+            programs.push(painted(
+                &texture,
+                "shade: T, bump: T, depth: 1e300, mirror: .1",
+                "sphere | halfspace(0,0,1,0)",
+            ));
+            programs.push(painted(&texture, "shade: T, bump: T, mirror: 1", "uscale(1e100) box"));
+        }
+    }
+    let wrong: Vec<String> = on_deep_stacks(|| {
+        let is_sound = |program: &String| {
+            picture(program, false).is_ok_and(|it| it.color.iter().flatten().all(|it| it.is_finite()))
+        };
+        programs.into_iter().filter(|it| !is_sound(it)).collect()
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_outcomes(&[
+        ("texture T { kind: fbm, octaves: 1e9 } material M { bump: T } scene { show paint(M) box; }", "E0608"),
+        ("texture T { kind: fourier, terms: 0 } material M { shade: T } scene { show paint(M) box; }", "E0608"),
+        ("texture T { kind: fbm, stretch: (0,1,1) } material M { shade: T } scene { show paint(M) box; }", "E0608"),
+        ("texture T { kind: fbm, frequency: 0/0 } material M { shade: T } scene { show paint(M) box; }", "E1005"),
+        ("texture T { kind: marble } material M { shade: T } scene { show paint(M) box; }", "E0606"),
+        ("texture T { octaves: 3 } material M { shade: T } scene { show paint(M) box; }", "E0603"),
+        ("material M { mirror: -1 } scene { show paint(M) box; }", "E0608"),
+    ]);
+}

@@ -11,6 +11,8 @@ pub(crate) enum FieldType {
     Whole(f64, f64),
     /// A vector of so many finite numbers.
     Vector(u8),
+    /// Three numbers that are more than 0.
+    Factors,
     /// Three parts from 0 to 1.
     Color,
     /// Two whole numbers from 1 to [`MOST_SIDE`].
@@ -58,8 +60,8 @@ const fn later(name: &'static str, kind: FieldType) -> FieldRule {
 }
 
 use FieldType::{
-    Color, Colors, Density, Number, Numbers, Positive, Region, Size, Spread, Surface, Text, Texture, Truth, Vector,
-    Whole, Words,
+    Color, Colors, Density, Factors, Number, Numbers, Positive, Region, Size, Spread, Surface, Text, Texture, Truth,
+    Vector, Whole, Words,
 };
 
 const ANY: FieldType = Number(f64::NEG_INFINITY, f64::INFINITY);
@@ -69,29 +71,32 @@ const NOT_NEGATIVE: FieldType = Number(0.0, f64::INFINITY);
 pub(crate) const MATERIAL: &[FieldRule] = &[
     field("color", Color),
     field("range", Color),
-    later("shade", Texture),
+    field("shade", Texture),
     field("amount", SHARE),
     later("holes", Texture),
     field("threshold", SHARE),
     field("softness", SHARE),
     later("limb", SHARE),
-    later("bump", Texture),
+    field("bump", Texture),
     later("relief", Texture),
     field("depth", NOT_NEGATIVE),
     later("roughen", NOT_NEGATIVE),
     field("gloss", SHARE),
-    later("mirror", SHARE),
+    field("mirror", SHARE),
     later("translucent", SHARE),
 ];
 
 /// The kinds of texture.
 pub(crate) const TEXTURE_KINDS: &[&str] = &["fourier", "fbm", "chunks", "elevation", "image"];
 
+/// Those that have no effect yet.
+pub(crate) const LATER_TEXTURE_KINDS: &[&str] = &["chunks", "elevation", "image"];
+
 const TEXTURE: [FieldRule; 5] = [
     field("kind", Words(TEXTURE_KINDS)),
     field("space", Words(&["object", "world"])),
     field("seed", ANY),
-    field("stretch", Vector(3)),
+    field("stretch", Factors),
     field("offset", Vector(3)),
 ];
 

@@ -85,9 +85,9 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     } else {
         match lower::lower(&program, Values(&found.values), found.functions) {
             Ok(lowered) => {
-                let materials = scene::materials(&setting, &lowered.materials);
+                let (materials, textures) = scene::surfaces(&setting, &lowered.materials);
                 let scene::Setting { camera, suns, sky, image, .. } = setting;
-                Some(Scene { graph: lowered.graph, seed: options.seed, materials, camera, suns, sky, image })
+                Some(Scene { graph: lowered.graph, seed: options.seed, materials, textures, camera, suns, sky, image })
             }
             Err(problem) => {
                 problems.push(problem);

@@ -183,8 +183,8 @@ pub(crate) enum FieldValue {
     Expr(Expr),
     /// One of the field's own words.
     Word(&'static str),
-    /// A texture.
-    Texture,
+    /// A texture, by its number.
+    Texture(u32),
     /// A system's call.
     Surface,
     Error,

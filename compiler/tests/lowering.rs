@@ -7,7 +7,10 @@ mod common;
 use common::{codes, compiled, graph, scene};
 use treegen_runtime::Limits;
 use treegen_runtime::eval::{Env, Machine, Path};
-use treegen_runtime::form::{Choice, Code, Graph, Node, NodeId, Op, PrimitiveKind, Select, Slot, TransformKind, Value};
+use treegen_runtime::form::{
+    Choice, Code, Fbm, Fourier, Graph, Material, Node, NodeId, Op, Pattern, PrimitiveKind, Select, Slot, Space,
+    Texture, TextureId, TransformKind, Value,
+};
 
 /// What a node is made of, as text: kinds and operands, without codes and places, and without C-nodes.
 fn shape(graph: &Graph, id: NodeId) -> String {
@@ -387,4 +390,66 @@ fn calcs_that_double_are_stopped() {
     }
     text.push_str("start { c39 } uscale(n) sphere; }");
     assert_eq!(codes(&compiled(&text)), ["E0905"]);
+}
+
+#[test]
+fn materials_bring_the_textures_they_name() {
+    let scene = scene(
+        "texture Spare { kind: chunks }
+         texture Bark { kind: fbm, octaves: 3, dimension: 2.5, seed: 4, space: world }
+         texture Foliage { kind: fourier, terms: 7, ratio: 1.5, stretch: (1, 2, 3), offset: (0, 0, 9) }
+         texture Plain { kind: fbm }
+         material Unused { shade: Plain }
+         material Leaf { shade: Foliage, amount: .7, bump: Bark, mirror: .2 }
+         material Trunk { bump: Bark, depth: .04 }
+         scene { show paint(Leaf) sphere | paint(Trunk) box; }",
+    );
+    let (bark, foliage) = (Some(TextureId(1)), Some(TextureId(0)));
+    let names: Vec<&str> = scene.textures.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!(names, ["Foliage", "Bark"]);
+    let leaf = Material {
+        name: "Leaf".into(),
+        shade: foliage,
+        amount: 0.7,
+        bump: bark,
+        mirror: 0.2,
+        origin: scene.materials[0].origin,
+        ..Material::default()
+    };
+    let trunk = Material {
+        name: "Trunk".into(),
+        bump: bark,
+        depth: 0.04,
+        origin: scene.materials[1].origin,
+        ..Material::default()
+    };
+    assert_eq!(scene.materials, [leaf, trunk]);
+    let fourier = Pattern::Fourier(Fourier { terms: 7, ratio: 1.5, ..Fourier::default() });
+    let foliage = Texture {
+        name: "Foliage".into(),
+        stretch: [1.0, 2.0, 3.0].into(),
+        offset: [0.0, 0.0, 9.0].into(),
+        origin: scene.textures[0].origin,
+        ..Texture::new(fourier)
+    };
+    let bark = Texture {
+        name: "Bark".into(),
+        space: Space::World,
+        seed: 4.0,
+        origin: scene.textures[1].origin,
+        ..Texture::new(Pattern::Fbm(Fbm { octaves: 3, dimension: 2.5, ..Fbm::default() }))
+    };
+    assert_eq!(scene.textures, [foliage, bark]);
+}
+
+#[test]
+fn a_texture_is_measured_where_its_kind_belongs_unless_it_says() {
+    let space = |texture: &str| {
+        let program = format!("texture T {{ {texture} }} material M {{ shade: T }} scene {{ show paint(M) box; }}");
+        scene(&program).textures[0].space
+    };
+    assert_eq!(space("kind: fbm"), Space::Object);
+    assert_eq!(space("kind: fourier"), Space::World);
+    assert_eq!(space("kind: fourier, space: object"), Space::Object);
+    assert_eq!(space("space: world, kind: fbm"), Space::World);
 }

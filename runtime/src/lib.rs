@@ -16,6 +16,7 @@ mod lanes;
 mod limits;
 pub mod mesh;
 pub mod picture;
+pub mod texture;
 pub mod trace;
 
 pub use fault::{Fault, FaultKind, Limit, TrailStep};

@@ -39,7 +39,7 @@ fn still_life() -> (Scene, Spheres) {
     let mut spheres: Vec<_> =
         (0..9).map(|i| sphere([f64::from(i) * 0.6 - 2.4, f64::from(i % 3) - 1.0, 0.5], 0.4)).collect();
     spheres.iter_mut().step_by(2).for_each(|sphere| sphere.material = Some(MaterialId(0)));
-    (scene, Spheres { spheres, ground: true, faulty: None })
+    (scene, Spheres { spheres, ground: true, ..Spheres::default() })
 }
 
 fn threads(count: usize) -> rayon::ThreadPool {
@@ -78,7 +78,8 @@ fn a_spheres_shadow_has_its_area_by_the_suns_height() {
         let direction = [-libm::cos(height), 0.0, -libm::sin(height)];
         let mut scene = scene(from_above(4.0), vec![sun(direction)], (400, 400), samples);
         scene.sky = Some(DARK);
-        let tracer = Spheres { spheres: vec![sphere([offset, 0.0, 200.0], radius)], ground: true, faulty: None };
+        let tracer =
+            Spheres { spheres: vec![sphere([offset, 0.0, 200.0], radius)], ground: true, ..Spheres::default() };
         let picture = picture(&scene, &tracer);
         let lit = EXPOSURE * libm::sin(height);
         let dark: f64 = picture.color.iter().map(|color| 1.0 - f64::from(color[0]) / lit).sum();
@@ -93,7 +94,7 @@ fn a_soft_shadow_takes_as_much_light_as_a_hard_one_and_has_a_penumbra() {
     let shadow = |size: f64| {
         let mut scene = scene(from_above(4.0), vec![Sun { size, ..sun([-1.0, 0.0, -1.0]) }], (100, 100), 16);
         scene.sky = Some(DARK);
-        let tracer = Spheres { spheres: vec![sphere([200.0, 0.0, 200.0], 0.8)], ground: true, faulty: None };
+        let tracer = Spheres { spheres: vec![sphere([200.0, 0.0, 200.0], 0.8)], ground: true, ..Spheres::default() };
         picture(&scene, &tracer).color.iter().map(|color| f64::from(color[0])).collect::<Vec<_>>()
     };
     let (hard, soft) = (shadow(0.0), shadow(0.1));
@@ -210,7 +211,7 @@ fn more_samples_go_where_samples_differ_and_never_change_a_flat_region() {
     let one = render(&scene, &ground(), &RenderOptions { samples: Some(1), ..RenderOptions::default() }, &()).unwrap();
     assert_eq!(flat.color, one.color);
 
-    let tracer = Spheres { spheres: vec![sphere([0.0, 0.0, 50.0], 0.5)], ground: true, faulty: None };
+    let tracer = Spheres { spheres: vec![sphere([0.0, 0.0, 50.0], 0.5)], ground: true, ..Spheres::default() };
     let edges = picture(&scene, &tracer);
     assert!(edges.rays.camera > 64 * 64 * 4 && edges.rays.camera < 64 * 64 * 12, "{}", edges.rays.camera);
     assert_eq!(edges.color[0], flat.color[0]);
@@ -326,7 +327,7 @@ fn a_scene_without_a_camera_is_framed_with_a_margin() {
         ((30, 90), vec![sphere([1e6, 5.0, 3.0], 0.2), sphere([1e6, 9.0, 3.0], 0.3)]),
         ((90, 30), vec![sphere([0.0, 0.0, 1e-7], 1e-7), sphere([0.0, 0.0, 1e-6], 1e-7)]),
     ] {
-        let tracer = Spheres { spheres: spheres.clone(), ground: true, faulty: None };
+        let tracer = Spheres { spheres: spheres.clone(), ground: true, ..Spheres::default() };
         let camera = frame(&tracer, size.0, size.1).unwrap();
         let mut scene = scene(camera, Vec::new(), size, 1);
         scene.image.background = Background::Transparent;

@@ -6,7 +6,9 @@ use treegen_grammar::{FileId, Span};
 use crate::fields;
 use crate::graph;
 use crate::problem::Problem;
-use crate::program::{DefId, Module, Prefix, PrefixKind, Program, Record, Solid, SolidKind, Stride, SystemId};
+use crate::program::{
+    DefId, FieldValue, Module, Prefix, PrefixKind, Program, Record, Solid, SolidKind, Stride, SystemId,
+};
 use crate::words;
 
 /// Looks whether there is something to show, and says of everything that is needed for it whether it can be drawn.
@@ -26,6 +28,9 @@ pub(super) fn check(program: &Program, problems: &mut Vec<Problem>) {
         if shown[material.def.index()] {
             self::record(material, fields::MATERIAL, "a material's", problems);
         }
+    }
+    for texture in program.textures.iter().filter(|it| shown[it.def.index()]) {
+        self::texture(texture, problems);
     }
     for record in program.scene.iter().flat_map(|it| &it.records) {
         if let Some((name, rules, _)) = fields::SCENE.iter().find(|it| it.0 == record.name) {
@@ -129,6 +134,17 @@ fn record(record: &Record, rules: &[fields::FieldRule], owner: &str, problems: &
     for field in &record.fields {
         if rules.iter().any(|it| it.name == field.name && !it.supported) {
             problems.push(words::systems::not_yet(&format!("{owner} `{}` is", field.name), field.span));
+        }
+    }
+}
+
+/// Says of a texture that is shown if its kind has no effect yet.
+fn texture(record: &Record, problems: &mut Vec<Problem>) {
+    for field in &record.fields {
+        if let ("kind", FieldValue::Word(kind)) = (field.name, &field.value)
+            && fields::LATER_TEXTURE_KINDS.contains(kind)
+        {
+            problems.push(words::systems::not_yet(&format!("`{kind}` textures are"), field.span));
         }
     }
 }

@@ -63,7 +63,7 @@ impl Type {
         match kind {
             FieldType::Number(..) | FieldType::Positive | FieldType::Whole(..) | FieldType::Density => Self::Number,
             FieldType::Vector(parts) => Self::Vector(parts),
-            FieldType::Color => Self::Vector(3),
+            FieldType::Color | FieldType::Factors => Self::Vector(3),
             FieldType::Size => Self::Vector(2),
             FieldType::Numbers => list(Self::Number),
             FieldType::Colors => list(Self::Vector(3)),

@@ -186,9 +186,11 @@ impl Resolver<'_> {
         let fits = |it| matches!(it, Meaning::Texture);
         let found = self.named(scope, value, "texture", &fits, |span| words::records::texture_needed(field, span));
         match found {
-            Some((_, named)) if fits(named.meaning) => FieldValue::Texture,
             Some((name, named)) => {
                 let def = self.program.def(named.def);
+                if let DefKind::Texture(number) = def.kind {
+                    return FieldValue::Texture(number);
+                }
                 let problem = words::names::not_a("texture", &name, def.kind.word(), value.span, Some(def.span));
                 self.report(scope, problem);
                 FieldValue::Error

@@ -15,6 +15,8 @@ pub(super) enum Data {
     /// A vector, a colour or a size.
     Parts(Vec<f64>),
     Word(&'static str),
+    /// A texture, by its number.
+    Texture(u32),
     /// What is checked and has no effect yet.
     Other,
 }
@@ -24,7 +26,8 @@ pub(super) fn data(constants: &mut Constants<'_>, rule: &FieldRule, field: &Fiel
     let expr = match &field.value {
         FieldValue::Expr(expr) => expr,
         FieldValue::Word(word) => return Some(Data::Word(word)),
-        FieldValue::Texture | FieldValue::Surface => return Some(Data::Other),
+        FieldValue::Texture(number) => return Some(Data::Texture(*number)),
+        FieldValue::Surface => return Some(Data::Other),
         FieldValue::Error => return None,
     };
     if !constants.is_sound(expr) {
@@ -56,6 +59,7 @@ fn fitting(kind: FieldType, value: &Value) -> Option<Data> {
         (FieldType::Vector(count), Value::Vector(it)) => {
             parts(it.parts(), usize::from(count), f64::NEG_INFINITY, f64::INFINITY)
         }
+        (FieldType::Factors, Value::Vector(it)) => parts(it.parts(), 3, f64::MIN_POSITIVE, f64::INFINITY),
         (FieldType::Color, Value::Vector(it)) => parts(it.parts(), 3, 0.0, 1.0),
         (FieldType::Size, Value::Vector(it)) => {
             let whole = it.parts().iter().all(|it| it.fract() == 0.0);

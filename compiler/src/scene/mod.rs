@@ -1,17 +1,19 @@
-//! The scene's records and the materials: constants with a type and a range.
+//! The scene's records, the materials and textures: constants with a type and a range.
 
 mod fields;
+mod surfaces;
 
 use glam::DVec3;
 use treegen_grammar::Span;
-use treegen_runtime::form::{Background, Camera, ImageSettings, Lens, Material, Sky, Sun};
+use treegen_runtime::form::{Background, Camera, ImageSettings, Lens, Material, Sky, Sun, Texture};
 
 use crate::constant::Constants;
 use crate::fields::{self as rules, FieldRule};
-use crate::lower::origin;
-use crate::program::{Field, FieldValue, MaterialId, Record};
+use crate::program::{Field, FieldValue, Record};
 use crate::words;
 use fields::Data;
+
+pub(crate) use surfaces::surfaces;
 
 /// What a scene has besides its graph.
 #[derive(Debug, Default)]
@@ -20,8 +22,10 @@ pub(crate) struct Setting {
     pub(crate) suns: Vec<Sun>,
     pub(crate) sky: Option<Sky>,
     pub(crate) image: ImageSettings,
-    /// For each material of the program what it looks like.
+    /// For each material of the program what it looks like. Its textures are numbered as the program's.
     pub(crate) materials: Vec<Material>,
+    /// For each texture of the program what it is; none if that has no effect yet.
+    pub(crate) textures: Vec<Option<Texture>>,
 }
 
 /// Finds the fields of all records.
@@ -29,16 +33,11 @@ pub(crate) fn setting(constants: &mut Constants<'_>) -> Setting {
     let program = constants.program();
     let mut setting = Setting::default();
     for texture in &program.textures {
-        let kind = texture.fields.iter().find_map(|it| match (it.name, &it.value) {
-            ("kind", FieldValue::Word(word)) => Some(*word),
-            _ => None,
-        });
-        if let Some(kind) = kind {
-            Fields::find(constants, texture, rules::texture(kind));
-        }
+        let texture = surfaces::texture(constants, texture);
+        setting.textures.push(texture);
     }
     for material in &program.materials {
-        let material = self::material(constants, material);
+        let material = surfaces::material(constants, material);
         setting.materials.push(material);
     }
     for record in program.scene.iter().flat_map(|it| &it.records) {
@@ -52,11 +51,6 @@ pub(crate) fn setting(constants: &mut Constants<'_>) -> Setting {
         }
     }
     setting
-}
-
-/// The materials that a graph names, in its order.
-pub(crate) fn materials(setting: &Setting, used: &[MaterialId]) -> Vec<Material> {
-    used.iter().filter_map(|it| setting.materials.get(it.index()).cloned()).collect()
 }
 
 /// The fields of a record that could be found.
@@ -101,20 +95,12 @@ impl<'a> Fields<'a> {
         parts.as_slice().try_into().ok()
     }
 
+    fn texture(&self, name: &str) -> Option<u32> {
+        if let Some(Data::Texture(number)) = self.data(name) { Some(*number) } else { None }
+    }
+
     fn word(&self, name: &str) -> Option<&'static str> {
         if let Some(Data::Word(word)) = self.data(name) { Some(word) } else { None }
-    }
-}
-
-fn material(constants: &mut Constants<'_>, record: &Record) -> Material {
-    let fields = Fields::find(constants, record, rules::MATERIAL);
-    let default = Material::default();
-    Material {
-        name: record.name.clone(),
-        color: fields.vector("color").unwrap_or(default.color),
-        range: fields.vector("range").unwrap_or(default.range),
-        gloss: fields.number("gloss").unwrap_or(default.gloss),
-        origin: origin(record.span),
     }
 }
 

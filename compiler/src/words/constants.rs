@@ -57,6 +57,7 @@ pub(crate) fn needs(kind: FieldType) -> String {
         FieldType::Positive => "a number above 0".to_owned(),
         FieldType::Whole(low, high) => format!("a whole number from {} to {}", number(low), number(high)),
         FieldType::Vector(parts) => format!("a vector of {parts} numbers"),
+        FieldType::Factors => "three numbers above 0".to_owned(),
         FieldType::Color => "a color: three numbers from 0 to 1".to_owned(),
         FieldType::Size => format!("two whole numbers from 1 to {MOST_SIDE}"),
         FieldType::Numbers => "a list of numbers".to_owned(),

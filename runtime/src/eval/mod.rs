@@ -17,5 +17,6 @@ pub use env::Env;
 pub use formula::Formula;
 pub use machine::{Machine, Results};
 pub(crate) use meaning::{drawn, matrix, rotation, trail_step};
-pub(crate) use path::spread;
+pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise};
 pub use path::{Path, Place};
+pub(crate) use path::{mix, spread};

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::{angle, noise, random};
@@ -209,15 +210,15 @@ pub(super) fn distribute(draw: Draw, uniform: f64, args: &[Value]) -> Result<Val
 /// `noise(p)` of a number or a vector of up to three parts.
 pub(super) fn noise(seed: u64, args: &[Value]) -> Result<Value, Failure> {
     let point = match args {
-        [Value::Number(x)] => [*x, 0.0, 0.0],
+        [Value::Number(x)] => DVec3::new(*x, 0.0, 0.0),
         [Value::Vector(it)] => match it.parts() {
-            [x, y] => [*x, *y, 0.0],
-            [x, y, z] => [*x, *y, *z],
+            [x, y] => DVec3::new(*x, *y, 0.0),
+            [x, y, z] => DVec3::new(*x, *y, *z),
             _ => return Err(Failure::types("noise", args)),
         },
         _ => return Err(Failure::types("noise", args)),
     };
-    sound(noise::gradient_noise(seed, point), "noise", args).map(Value::Number)
+    sound(noise::gradient_noise(seed, point).value, "noise", args).map(Value::Number)
 }
 
 /// The built-in functions that need nothing but their arguments.

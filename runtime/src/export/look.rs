@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::form::{Material, MaterialId};
 use crate::picture::color::linear;
-use crate::picture::shade::Gloss;
+use crate::picture::paint::Gloss;
 
 /// From the scene, with z up, to files, with y up: a quarter turn about x.
 pub(super) const FILE_FROM_WORLD: DAffine3 =

@@ -8,7 +8,7 @@ use super::pov_solid::{DECLARATIONS, Triple};
 use crate::form::{Background, Camera, Lens, Material, Scene};
 use crate::picture::camera::{half_span, unit, upright};
 use crate::picture::light::{Lights, SkyLight};
-use crate::picture::shade::{self, Gloss};
+use crate::picture::paint::{self, Gloss};
 
 /// How far away the lights are, in units of POV-Ray: beyond everything, and nearer than where POV-Ray stops to look.
 const FAR: f64 = 1e6;
@@ -18,7 +18,7 @@ const SKY_STEPS: u32 = 32;
 
 /// The colour, sRGB, of a material on the solid that has this route.
 pub(super) fn varied(material: &Material, route: u64) -> DVec3 {
-    shade::varied(DVec3::from_array(material.color), DVec3::from_array(material.range), route)
+    paint::varied(DVec3::from_array(material.color), DVec3::from_array(material.range), route)
 }
 
 /// All that stands before the primitives. A scene has `scale` times its size there.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Graph, Origin};
+use super::{Graph, Origin, Space, Texture, TextureId};
 
 /// Names a material of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -17,6 +17,8 @@ pub struct Scene {
     pub seed: u64,
     /// The materials that the graph's paint nodes name.
     pub materials: Vec<Material>,
+    /// The textures that the materials name.
+    pub textures: Vec<Texture>,
     /// Where it is seen from; none: framed on the bounds of what is finite.
     pub camera: Option<Camera>,
     /// The suns; with none and no sky there is a default light.
@@ -25,6 +27,24 @@ pub struct Scene {
     pub sky: Option<Sky>,
     /// The size of the picture, and how it is sampled.
     pub image: ImageSettings,
+}
+
+impl Scene {
+    /// Whether the look of a material depends on where things are in the frame in which its paint stands.
+    pub fn is_painted_in_place(&self, material: MaterialId) -> bool {
+        let Some(material) = self.materials.get(material.0 as usize) else {
+            return false;
+        };
+        let texture = |it: TextureId| self.textures.get(it.0 as usize);
+        material.textures().filter_map(texture).any(|it| it.space == Space::Object)
+    }
+}
+
+impl Material {
+    /// All textures that it names.
+    pub fn textures(&self) -> impl Iterator<Item = TextureId> {
+        self.shade.into_iter().chain(self.bump)
+    }
 }
 
 /// What a surface looks like. Colours are sRGB, each part from 0 to 1.
@@ -36,8 +56,18 @@ pub struct Material {
     pub color: [f64; 3],
     /// What is added to each part of the colour at most: a uniform amount, hashed from the route that led to the solid.
     pub range: [f64; 3],
+    /// The texture that its colour is shaded by.
+    pub shade: Option<TextureId>,
+    /// How much of that shading it takes, from 0 to 1.
+    pub amount: f64,
+    /// The texture that the surface rises and falls with, as far as its normals are concerned.
+    pub bump: Option<TextureId>,
+    /// How high it rises where the texture is 1, in metres.
+    pub depth: f64,
     /// How much it shines, from 0 to 1.
     pub gloss: f64,
+    /// How much of what is seen straight in it is a mirror image, from 0 to 1.
+    pub mirror: f64,
     /// Its place in the text.
     pub origin: Origin,
 }
@@ -45,7 +75,18 @@ pub struct Material {
 impl Default for Material {
     /// What has no paint is matt grey.
     fn default() -> Self {
-        Self { name: String::new(), color: [0.7; 3], range: [0.0; 3], gloss: 0.0, origin: Origin::NONE }
+        Self {
+            name: String::new(),
+            color: [0.7; 3],
+            range: [0.0; 3],
+            shade: None,
+            amount: 1.0,
+            bump: None,
+            depth: 0.02,
+            gloss: 0.0,
+            mirror: 0.0,
+            origin: Origin::NONE,
+        }
     }
 }
 

@@ -102,6 +102,7 @@ impl<'a> Job<'a> {
         let counts = painter.counts();
         let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
         picture.rays.camera += counts.camera;
+        picture.rays.reflected += counts.reflected;
         picture.rays.shadow += counts.shadow;
     }
 

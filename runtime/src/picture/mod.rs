@@ -1,7 +1,8 @@
 //! Pictures: from a scene and a tracer to pixels, and from pixels to files.
 //!
 //! A picture is made in tiles on all cores. In each tile camera rays go to the tracer in small batches, what they saw is shaded
-//! (one deferred pass, which does not know which tracer filled the samples), and each pixel takes the mean of its samples.
+//! (in a deferred pass, which does not know which tracer filled the samples, and one more for each bounce between mirrors), and each
+//! pixel takes the mean of its samples.
 //! Every pixel is a pure function of the scene and its own place in the whole picture: tile sizes, threads and crops change
 //! nothing.
 
@@ -12,9 +13,13 @@ mod framing;
 mod heat;
 mod job;
 pub(crate) mod light;
+mod mirror;
+pub(crate) mod paint;
 mod pixel;
 mod sampling;
-pub(crate) mod shade;
+mod shade;
+mod skin;
+mod sunlight;
 mod tile;
 mod view;
 mod write_exr;
@@ -26,6 +31,7 @@ use crate::trace::Tracer;
 
 pub use framing::frame;
 pub use light::EXPOSURE;
+pub use mirror::MAX_BOUNCES;
 pub use view::{MAX_PIXELS, MAX_SAMPLES};
 pub use write_exr::write_exr;
 pub use write_png::write_png;
@@ -130,6 +136,8 @@ pub struct Layers {
 pub struct RayCounts {
     /// From the camera.
     pub camera: u64,
+    /// From mirrors.
+    pub reflected: u64,
     /// From surfaces to suns.
     pub shadow: u64,
 }

@@ -1,14 +1,17 @@
-//! Shading: what the rays of a batch look like. One deferred pass, which does not know which tracer filled them.
+//! Shading: what the rays of a batch look like. Deferred passes, which do not know which tracer saw: one for what the camera sees,
+//! and one more for each bounce between mirrors.
 
 use glam::DVec3;
 
-use super::color::{linear, within};
+use super::color::within;
 use super::light::Lights;
-use crate::eval::spread;
+use super::mirror::{MAX_BOUNCES, Reflected, Root, share, thrown_back};
+use super::paint::Paints;
+use super::skin::{Skin, Skins};
+use super::sunlight::{Lit, Sunlight};
 use crate::fault::{Fault, FaultKind};
-use crate::form::{Material, Scene};
-use crate::geometry::Ray;
-use crate::trace::{Beam, Fragment, RayFault, Seen, SurfaceBeam, Tracer};
+use crate::form::Scene;
+use crate::trace::{Beam, Fragment, RayFault, Seen, Tracer};
 
 /// More light than this says nothing more; it keeps sums finite.
 const BRIGHTEST: f64 = 1e6;
@@ -28,67 +31,62 @@ pub(super) struct Key {
 #[derive(Clone, Debug)]
 pub(super) struct Shader {
     lights: Lights,
-    // The last one is for what has no paint.
-    paints: Vec<Paint>,
+    paints: Paints,
 }
 
-/// A material, ready for use.
-#[derive(Clone, Debug)]
-struct Paint {
-    srgb: DVec3,
-    range: Option<DVec3>,
-    linear: DVec3,
-    gloss: Option<Gloss>,
-}
-
-/// The highlight of a material.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Gloss {
-    pub(crate) strength: f64,
-    /// The highlight is the cosine squared so often,
-    squarings: u32,
-    /// with so much of what one squaring more gives.
-    part: f64,
+/// The rays that are shaded together.
+#[derive(Debug)]
+pub(super) struct Pass<'a, B> {
+    pub(super) beams: &'a [B],
+    pub(super) keys: &'a [Key],
+    /// What each is for; rays of the camera are for themselves.
+    roots: Option<&'a [Root]>,
 }
 
 /// Room for shading one batch after another.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    owners: Vec<Owner>,
-    shadow_beams: Vec<SurfaceBeam>,
-    /// Fragments that face the light, each with its shadow beam.
-    aimed: Vec<(u32, u32)>,
-    /// How much light comes along each of them.
-    light: Vec<f64>,
-    lit: Vec<Lit>,
+    skins: Skins,
+    sunlight: Sunlight,
+    /// What the camera's rays have seen so far.
+    sums: Vec<Sum>,
+    /// The rays that mirrors throw back, in this pass and the one before.
+    thrown: Reflected,
+    thrown_before: Reflected,
     /// The batch's colours, premultiplied.
     pub(super) colors: Vec<[f32; 4]>,
-    /// How many shadow rays were traced so far.
-    pub(super) shadow_count: u64,
+    /// How many rays from mirrors were traced so far.
+    pub(super) reflected_count: u64,
 }
 
-/// What a fragment belongs to: those with the same owner share a shadow beam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Owner {
-    ray: u32,
-    /// Which part of what the ray sees it is in: so many veils may lie on a ray that each by itself hardly counts.
-    layer: u8,
+/// The light along a ray of the camera.
+#[derive(Clone, Copy, Debug)]
+struct Sum {
+    color: DVec3,
+    alpha: f64,
 }
 
-/// How many shadow beams the fragments of one ray have at most.
-const LAYERS: f64 = 4.0;
+/// What is seen of a fragment.
+struct Shown {
+    color: DVec3,
+    /// How much of its mirror image is to be added.
+    image: f64,
+}
 
-/// The light of suns on a fragment.
-#[derive(Clone, Copy, Debug, Default)]
-struct Lit {
-    matt: DVec3,
-    gloss: DVec3,
+impl<B: AsRef<Beam>> Pass<'_, B> {
+    /// The beam of a ray.
+    pub(super) fn beam(&self, ray: u32) -> &Beam {
+        self.beams[ray as usize].as_ref()
+    }
+
+    fn root(&self, ray: u32) -> Root {
+        self.roots.map_or(Root { ray, weight: 1.0 }, |it| it[ray as usize])
+    }
 }
 
 impl Shader {
     pub(super) fn new(scene: &Scene, lights: Lights) -> Self {
-        let paints = scene.materials.iter().chain([&Material::default()]).map(Paint::new).collect();
-        Self { lights, paints }
+        Self { lights, paints: Paints::new(scene) }
     }
 
     /// Shades a batch into `scratch.colors`. The fragments lose their sites.
@@ -103,209 +101,129 @@ impl Shader {
         seen: &mut Seen,
         scratch: &mut Scratch,
     ) -> Result<(), RayFault> {
-        check(seen)?;
-        scratch.own(seen);
-        scratch.lit.clear();
-        scratch.lit.resize(seen.fragments().len(), Lit::default());
-        for sun in 0..self.lights.suns.len() {
-            self.aim(sun, beams, keys, seen, scratch);
-            scratch.trace(tracer)?;
-            self.light(sun, beams, seen, scratch);
+        scratch.sums.clear();
+        scratch.sums.resize(beams.len(), Sum { color: DVec3::ZERO, alpha: 1.0 });
+        scratch.thrown.clear();
+        self.pass(tracer, &Pass { beams, keys, roots: None }, seen, scratch)?;
+        for bounce in 0..MAX_BOUNCES {
+            if scratch.thrown.beams.is_empty() {
+                break;
+            }
+            self.bounce(tracer, bounce + 1 == MAX_BOUNCES, scratch)?;
         }
-        self.compose(beams, seen, scratch);
+        scratch.finish();
         Ok(())
     }
 
-    /// Collects the shadow beams of one sun, of all fragments that face it.
-    fn aim(&self, sun_number: usize, beams: &[Beam], keys: &[Key], seen: &mut Seen, scratch: &mut Scratch) {
-        let sun = &self.lights.suns[sun_number];
-        let last = sun_number + 1 == self.lights.suns.len();
-        scratch.shadow_beams.clear();
-        scratch.aimed.clear();
-        let mut shared = None;
-        for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&scratch.owners).enumerate() {
-            if fragment.spread == 0.0 && fragment.normal.dot(sun.toward) <= 0.0 {
-                continue;
+    /// Follows the rays that mirrors have thrown back to what they see. What that throws back in turn is the sky after the last
+    /// bounce.
+    fn bounce(&self, tracer: &dyn Tracer, last: bool, scratch: &mut Scratch) -> Result<(), RayFault> {
+        std::mem::swap(&mut scratch.thrown, &mut scratch.thrown_before);
+        scratch.thrown.clear();
+        let Reflected { beams, keys, roots, mut seen } = std::mem::take(&mut scratch.thrown_before);
+        scratch.reflected_count += beams.len() as u64;
+        let shaded = tracer.look_from(&beams, &mut seen).and_then(|()| {
+            let pass = Pass { beams: &beams, keys: &keys, roots: Some(&roots) };
+            self.pass(tracer, &pass, &mut seen, scratch)
+        });
+        let rooted = |it: RayFault| RayFault { ray: roots.get(it.ray).map_or(0, |it| it.ray as usize), ..it };
+        shaded.map_err(rooted)?;
+        if last {
+            for (beam, root) in scratch.thrown.beams.iter().zip(&scratch.thrown.roots) {
+                let sky = self.lights.sky.seen(beam.beam.ray.direction);
+                scratch.sums[root.ray as usize].color += sky * root.weight;
             }
-            if shared != Some(*owner) {
-                shared = Some(*owner);
-                // The last sun takes the site instead of copying it.
-                let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
-                let beam = &beams[owner.ray as usize];
-                let Key { pixel, sample, .. } = keys[owner.ray as usize];
-                let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
-                let width = beam.width_at(fragment.depth);
-                scratch.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
-            }
-            scratch.aimed.push((number as u32, scratch.shadow_beams.len() as u32 - 1));
         }
+        scratch.thrown_before = Reflected { beams, keys, roots, seen };
+        Ok(())
     }
 
-    /// Lights the fragments by what came along their shadow beams.
-    fn light(&self, sun_number: usize, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
-        let sun = &self.lights.suns[sun_number];
-        for (number, beam) in &scratch.aimed {
-            let number = *number as usize;
-            let fragment = &seen.fragments()[number];
-            let light = scratch.light[*beam as usize] * fragment.open;
-            if light == 0.0 {
-                continue;
-            }
-            let lit = &mut scratch.lit[number];
-            lit.matt += sun.color * (facing(fragment, sun.toward) * light);
-            if let Some(gloss) = self.paint(fragment).gloss {
-                let direction = beams[scratch.owners[number].ray as usize].ray.direction;
-                let highlight = gloss.highlight(fragment.normal, sun.toward, direction) * (1.0 - fragment.spread);
-                lit.gloss += sun.color * (highlight * light);
-            }
-        }
+    /// Adds what rays see to what they are for, and collects the rays that mirrors throw back.
+    fn pass<B: AsRef<Beam>>(
+        &self,
+        tracer: &dyn Tracer,
+        pass: &Pass<'_, B>,
+        seen: &mut Seen,
+        scratch: &mut Scratch,
+    ) -> Result<(), RayFault> {
+        check(seen)?;
+        scratch.skins.find(&self.paints, pass, seen);
+        scratch.sunlight.fall(&self.lights.suns, &self.paints, tracer, pass, (seen, &scratch.skins))?;
+        self.compose(pass, seen, scratch);
+        Ok(())
     }
 
     /// Adds up each ray's fragments from front to back, and what lies behind them.
-    fn compose(&self, beams: &[Beam], seen: &Seen, scratch: &mut Scratch) {
-        scratch.colors.clear();
-        let mut lit = scratch.lit.iter();
-        for (fragments, Beam { ray, .. }) in seen.rays().zip(beams) {
+    fn compose<B: AsRef<Beam>>(&self, pass: &Pass<'_, B>, seen: &Seen, scratch: &mut Scratch) {
+        let Scratch { skins, sunlight, sums, thrown, .. } = scratch;
+        let mut lit = sunlight.lit.iter().enumerate();
+        for (number, fragments) in seen.rays().enumerate() {
+            let (number, key) = (number as u32, pass.keys[number]);
+            let (beam, root) = (pass.beam(number), pass.root(number));
             let mut color = DVec3::ZERO;
             let mut open = 1.0;
-            for (fragment, lit) in fragments.iter().zip(&mut lit) {
+            for (fragment, (number, lit)) in fragments.iter().zip(&mut lit) {
                 let coverage = within(fragment.coverage, 1.0);
-                color += self.seen(fragment, lit, ray) * (open * coverage);
+                let skin = skins.of(number);
+                let Shown { color: shown, image } = self.shown(fragment, skin, lit, beam);
+                color += shown * (open * coverage);
+                if image > 0.0 {
+                    let direction =
+                        thrown_back(beam.ray.direction, skin.map_or(fragment.normal, |it| it.normal), fragment.normal);
+                    let part = image * open * coverage;
+                    let root = Root { weight: root.weight * part, ..root };
+                    if !thrown.add(fragment, beam, key, root, direction) {
+                        color += self.lights.sky.seen(direction) * part;
+                    }
+                }
                 open *= 1.0 - coverage;
             }
-            let mut alpha = 1.0;
+            let sum = &mut sums[root.ray as usize];
             if open > 0.0 {
-                let (behind, behind_alpha) = self.lights.sky.background(ray.direction);
+                // In a mirror there is always a sky, even if the picture has none.
+                let direction = beam.ray.direction;
+                let bounced = pass.roots.is_some();
+                let sky = &self.lights.sky;
+                let (behind, alpha) = if bounced { (sky.seen(direction), 1.0) } else { sky.background(direction) };
                 color += behind * open;
-                alpha = 1.0 - open * (1.0 - behind_alpha);
+                if !bounced {
+                    sum.alpha = 1.0 - open * (1.0 - alpha);
+                }
             }
-            let bounded = |value: f64| within(value, BRIGHTEST) as f32;
-            scratch.colors.push([bounded(color.x), bounded(color.y), bounded(color.z), alpha as f32]);
+            sum.color += color * root.weight;
         }
     }
 
-    /// The light that comes from a fragment to the eye.
-    fn seen(&self, fragment: &Fragment, lit: &Lit, ray: &Ray) -> DVec3 {
-        let paint = self.paint(fragment);
-        let light = self.lights.sky.on(fragment.normal * (1.0 - fragment.spread)) + lit.matt;
-        let color = paint.color(fragment.route) * light + lit.gloss;
+    /// What is seen of a fragment.
+    #[inline(always)]
+    fn shown(&self, fragment: &Fragment, skin: Option<&Skin>, lit: &Lit, beam: &Beam) -> Shown {
+        let (paint, sky) = (self.paints.of(fragment.material), &self.lights.sky);
+        let direction = beam.ray.direction;
+        let (normal, tone) = skin.map_or((fragment.normal, 1.0), |it| (it.normal, it.tone));
+        let light = sky.on(normal * (1.0 - fragment.spread)) + lit.matt;
+        let image = share(paint.mirror, direction, normal);
+        let color = paint.color(fragment.route) * tone * light * (1.0 - image) + lit.gloss;
         if self.lights.haze == 0.0 {
-            return color;
+            return Shown { color, image };
         }
         let left = libm::exp(-self.lights.haze * fragment.depth);
-        self.lights.sky.air(ray.direction).lerp(color, left)
-    }
-
-    fn paint(&self, fragment: &Fragment) -> &Paint {
-        let last = self.paints.len() - 1;
-        let index = fragment.material.map_or(last, |id| (id.0 as usize).min(last));
-        &self.paints[index]
+        Shown { color: sky.air(direction).lerp(color, left), image: image * left }
     }
 }
 
 impl Scratch {
-    /// Notes what each fragment belongs to.
-    fn own(&mut self, seen: &Seen) {
-        self.owners.clear();
-        for (ray, fragments) in seen.rays().enumerate() {
-            let mut hidden = 0.0;
-            for fragment in fragments {
-                let part = (1.0 - hidden) * within(fragment.coverage, 1.0);
-                let layer = ((hidden + 0.5 * part) * LAYERS) as u8;
-                hidden += part;
-                self.owners.push(Owner { ray: ray as u32, layer });
-            }
-        }
+    /// How many shadow rays were traced so far.
+    pub(super) fn shadow_count(&self) -> u64 {
+        self.sunlight.count
     }
 
-    /// Traces the shadow beams.
-    fn trace(&mut self, tracer: &dyn Tracer) -> Result<(), RayFault> {
-        self.light.clear();
-        if self.shadow_beams.is_empty() {
-            return Ok(());
-        }
-        self.shadow_count += self.shadow_beams.len() as u64;
-        tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
-            let first = self.aimed.iter().find(|(_, beam)| *beam as usize == ray);
-            let owner = first.and_then(|(fragment, _)| self.owners.get(*fragment as usize));
-            RayFault { ray: owner.map_or(0, |it| it.ray as usize), fault }
-        })
+    /// The colours of what was summed.
+    fn finish(&mut self) {
+        self.colors.clear();
+        let bounded = |value: f64| within(value, BRIGHTEST) as f32;
+        let color = |Sum { color, alpha }: &Sum| [bounded(color.x), bounded(color.y), bounded(color.z), *alpha as f32];
+        self.colors.extend(self.sums.iter().map(color));
     }
-}
-
-/// How much of a light falls on a fragment: the cosine of a surface, the mean of the cosines where normals differ.
-///
-/// In between it is the root that is exact for one normal and for normals of all sides, whose mean is a quarter.
-fn facing(fragment: &Fragment, toward: DVec3) -> f64 {
-    let cosine = fragment.normal.dot(toward);
-    if fragment.spread == 0.0 {
-        return cosine;
-    }
-    let length = 1.0 - fragment.spread;
-    let (cosine, rest) = (cosine * length, 0.25 * (1.0 - length * length));
-    0.5 * (cosine + (cosine * cosine + rest).sqrt())
-}
-
-impl Paint {
-    fn new(material: &Material) -> Self {
-        let srgb = DVec3::from_array(material.color);
-        let range = DVec3::from_array(material.range);
-        Self {
-            srgb,
-            range: (range != DVec3::ZERO).then_some(range),
-            linear: linear(srgb),
-            gloss: Gloss::new(material.gloss),
-        }
-    }
-
-    /// Its colour on the solid that has this route.
-    fn color(&self, route: u64) -> DVec3 {
-        let Some(range) = self.range else {
-            return self.linear;
-        };
-        linear(varied(self.srgb, range, route))
-    }
-}
-
-/// The colour, sRGB, of a material on the solid that has this route.
-pub(crate) fn varied(color: DVec3, range: DVec3, route: u64) -> DVec3 {
-    let red = spread(route);
-    let green = spread(red);
-    color + range * DVec3::new(uniform(red), uniform(green), uniform(spread(green)))
-}
-
-impl Gloss {
-    pub(crate) fn new(gloss: f64) -> Option<Self> {
-        let gloss = within(gloss, 1.0);
-        let squarings = 3.0 + 5.0 * gloss;
-        let whole = squarings.floor();
-        (gloss > 0.0).then_some(Self { strength: 0.55 * gloss, squarings: whole as u32, part: squarings - whole })
-    }
-
-    /// The power of the cosine that the highlight comes near.
-    pub(crate) fn exponent(self) -> f64 {
-        libm::exp2(f64::from(self.squarings) + self.part)
-    }
-
-    /// Blinn's highlight (1977), with squares in place of a power.
-    fn highlight(self, normal: DVec3, toward: DVec3, direction: DVec3) -> f64 {
-        let halfway = toward - direction;
-        let length = halfway.length();
-        let mut cosine = normal.dot(halfway).max(0.0);
-        // Exactly against the light there is no way half between.
-        cosine = if length > 0.0 { cosine / length } else { 0.0 };
-        for _ in 0..self.squarings {
-            cosine *= cosine;
-        }
-        // The highlight fades in where the light does, so that it has no edge of its own.
-        let fade = (normal.dot(toward) * 8.0).min(1.0);
-        self.strength * fade * (cosine + (cosine * cosine - cosine) * self.part)
-    }
-}
-
-/// A number from 0 to 1, without 1.
-fn uniform(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Looks whether all that was seen is somewhere.

@@ -73,7 +73,8 @@ impl<'a> Painter<'a> {
 
     /// How many rays it has traced.
     pub(super) fn counts(&self) -> RayCounts {
-        RayCounts { camera: self.camera_count, shadow: self.scratch.shadow_count }
+        let Scratch { reflected_count: reflected, .. } = self.scratch;
+        RayCounts { camera: self.camera_count, reflected, shadow: self.scratch.shadow_count() }
     }
 
     /// Makes the pixels of a rectangle, in no order, and finds what the rays through their centres met if that is asked.

@@ -49,6 +49,8 @@ pub struct Item {
     pub group_from_item: DAffine3,
     /// The innermost paint between the group and the part; what is inside the part and has its own paint keeps that.
     pub material: Option<MaterialId>,
+    /// The frame in which that paint stands, in the group's, if its look depends on it.
+    pub group_from_paint: Option<Box<DAffine3>>,
     /// The choices and copies between the group and the part.
     pub route: Route,
     /// What it is.
@@ -80,6 +82,8 @@ pub(crate) type StemTaker<'t> = dyn FnMut(&[Part]) -> Result<(), Fault> + 't;
 #[derive(Debug)]
 pub struct Expander<'s> {
     graph: &'s Graph,
+    /// By number of the material: whether its look depends on the frame in which its paint stands.
+    in_place: Box<[bool]>,
     liveness: Liveness,
     seed: u64,
     limits: Limits,
@@ -88,7 +92,19 @@ pub struct Expander<'s> {
 impl<'s> Expander<'s> {
     /// An expander for a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { graph: &scene.graph, liveness: Liveness::of(&scene.graph), seed: scene.seed, limits: *limits }
+        let materials = 0..scene.materials.len() as u32;
+        Self {
+            graph: &scene.graph,
+            in_place: materials.map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
+            liveness: Liveness::of(&scene.graph),
+            seed: scene.seed,
+            limits: *limits,
+        }
+    }
+
+    /// Whether a material's look depends on the frame in which its paint stands.
+    fn is_in_place(&self, material: MaterialId) -> bool {
+        self.in_place.get(material.0 as usize).is_some_and(|it| *it)
     }
 
     /// The state of the whole scene.
@@ -129,7 +145,7 @@ impl<'s> Expander<'s> {
                 (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
             }
         };
-        walk.add(&mut group, body, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        walk.add(&mut group, body, Here::new(route, env))?;
         Ok(group)
     }
 
@@ -146,9 +162,8 @@ impl<'s> Expander<'s> {
         };
         let (left, copies) = (self.limits.items, self.limits.repeat);
         let mut walk = Walk { expander: self, machine: self.machine(), left, copies, stems: None };
-        let (env, route) = (self.env(state), Route::START);
         let mut group = Group::default();
-        walk.add(&mut group, proxy, Here { group_from_here: DAffine3::IDENTITY, material: None, route, env })?;
+        walk.add(&mut group, proxy, Here::new(Route::START, self.env(state)))?;
         Ok(Some(group))
     }
 
@@ -202,8 +217,17 @@ pub(crate) const OPERAND: u64 = 0x3000_0000_0000_0000;
 struct Here {
     group_from_here: DAffine3,
     material: Option<MaterialId>,
+    /// See [`Item::group_from_paint`].
+    group_from_paint: Option<DAffine3>,
     route: Route,
     env: Env,
+}
+
+impl Here {
+    /// Where a group begins.
+    fn new(route: Route, env: Env) -> Self {
+        Self { group_from_here: DAffine3::IDENTITY, material: None, group_from_paint: None, route, env }
+    }
 }
 
 /// A walk through the nodes of one state.
@@ -246,6 +270,7 @@ impl Walk<'_, '_, '_> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
+                    here.group_from_paint = self.expander.is_in_place(*material).then_some(here.group_from_here);
                     node = *body;
                 }
                 Node::Variant { count, body, origin } => {
@@ -319,9 +344,7 @@ impl Walk<'_, '_, '_> {
     /// An operand of a Boolean, as a group in the frame of the Boolean itself.
     fn operand(&mut self, operand: NodeId, here: &Here) -> Result<Group, Fault> {
         let mut group = Group::default();
-        let inner =
-            Here { group_from_here: DAffine3::IDENTITY, material: None, route: Route::START, env: here.env.clone() };
-        self.add(&mut group, operand, inner)?;
+        self.add(&mut group, operand, Here::new(Route::START, here.env.clone()))?;
         Ok(group)
     }
 
@@ -331,8 +354,9 @@ impl Walk<'_, '_, '_> {
             .left
             .checked_sub(1)
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
-        let Here { group_from_here: group_from_item, material, route, .. } = *here;
-        group.items.push(Item { group_from_item, material, route, solid });
+        let Here { group_from_here: group_from_item, material, group_from_paint, route, .. } = *here;
+        let group_from_paint = group_from_paint.map(Box::new);
+        group.items.push(Item { group_from_item, material, group_from_paint, route, solid });
         Ok(())
     }
 }
@@ -344,12 +368,23 @@ struct InGroup<'w, 'e, 't, 's> {
     here: &'w Here,
 }
 
+impl InGroup<'_, '_, '_, '_> {
+    /// Where the paint of a part stands, if its look depends on that: one that a walk gives stands where the plant does.
+    fn group_from_paint(&self, own: Option<MaterialId>) -> Option<DAffine3> {
+        let Some(own) = own else {
+            return self.here.group_from_paint;
+        };
+        self.walk.expander.is_in_place(own).then_some(self.here.group_from_here)
+    }
+}
+
 impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
         let (system_from_frame, route) = shapes::way(&placed);
         let inner = Here {
             group_from_here: self.here.group_from_here * system_from_frame,
             material: placed.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(placed.material),
             route: self.here.route.then(route),
             env: placed.env.clone(),
         };
@@ -361,6 +396,7 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
         self.group.items.push(Item {
             group_from_item: self.here.group_from_here * part.stem_from_part,
             material: part.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(part.material).map(Box::new),
             route: self.here.route.then(route),
             solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
         });

@@ -4,6 +4,7 @@
 //! The other is fast and goes through states and cells. Whoever shades cannot tell which one it was that saw.
 
 pub mod cells;
+mod chain;
 mod expand;
 mod find;
 mod liveness;
@@ -21,7 +22,7 @@ use smallvec::SmallVec;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Ray};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// What rays saw: for each a list of fragments from front to back, ended by an opaque one, or empty where it met nothing.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +30,8 @@ pub struct Seen {
     fragments: Vec<Fragment>,
     /// For each ray, the number of fragments of all rays up to and with it.
     ends: Vec<u32>,
+    /// Where fragments are whose paint asks that, with their numbers. Few do, so fragments do not carry it.
+    painted: Vec<(u32, Painted)>,
 }
 
 impl Seen {
@@ -36,11 +39,17 @@ impl Seen {
     pub fn clear(&mut self) {
         self.fragments.clear();
         self.ends.clear();
+        self.painted.clear();
     }
 
     /// Adds a fragment to the ray that has not ended yet.
     pub fn push(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
+    }
+
+    /// Tells where the last fragment is in the frame in which its paint stands, if its paint has textures that ask that.
+    pub fn paint(&mut self, painted: Painted) {
+        self.painted.push((self.fragments.len() as u32 - 1, painted));
     }
 
     /// Ends a ray: fragments from now on are the next one's.
@@ -71,6 +80,12 @@ impl Seen {
     /// The fragments of all rays, those of the first ray first.
     pub fn fragments(&self) -> &[Fragment] {
         &self.fragments
+    }
+
+    /// Where the fragment of this number is in the frame in which its paint stands, if that was told.
+    pub fn painted(&self, fragment: usize) -> Option<&Painted> {
+        let at = self.painted.binary_search_by_key(&fragment, |it| it.0 as usize).ok()?;
+        Some(&self.painted[at].1)
     }
 
     /// The fragments of all rays, to be changed.
@@ -106,6 +121,15 @@ pub struct Fragment {
     pub origin: Origin,
     /// Which primitive it is: rays that start here are told apart from rays that come back.
     pub site: Site,
+}
+
+/// A place in the frame in which a paint stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Painted {
+    /// The place.
+    pub position: DVec3,
+    /// Maps directions of the world to the frame.
+    pub paint_from_world: DMat3,
 }
 
 impl Fragment {
@@ -172,6 +196,18 @@ pub struct SurfaceBeam {
     pub beam: Beam,
     /// The surface it starts on.
     pub from: Site,
+}
+
+impl AsRef<Beam> for Beam {
+    fn as_ref(&self) -> &Beam {
+        self
+    }
+}
+
+impl AsRef<Beam> for SurfaceBeam {
+    fn as_ref(&self) -> &Beam {
+        &self.beam
+    }
 }
 
 /// A fault, and the number of the ray that met it: the lowest of a batch.

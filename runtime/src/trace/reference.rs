@@ -7,9 +7,10 @@
 
 use std::rc::Rc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use smallvec::SmallVec;
 
+use super::chain::{Chain, Standing};
 use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, expand, shapes};
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
@@ -36,6 +37,7 @@ impl<'s> Reference<'s> {
         let graph = &self.scene.graph;
         let mut walk = Walk {
             graph,
+            scene: self.scene,
             machine: Machine::new(graph.functions(), self.scene.seed, &self.limits),
             limits: &self.limits,
             from,
@@ -47,6 +49,7 @@ impl<'s> Reference<'s> {
             ray: *ray,
             chain: Rc::new(Chain::World),
             material: None,
+            standing: None,
             route: Route::START,
             frozen: false,
             env,
@@ -57,10 +60,15 @@ impl<'s> Reference<'s> {
         Ok(Walked { line, surfaces: walk.surfaces, selected: walk.selected })
     }
 
-    fn see(&self, ray: &Ray, from: Option<&Site>) -> Result<Option<Fragment>, Fault> {
+    fn see(&self, ray: &Ray, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
         let Walked { line, surfaces, .. } = self.walk(ray, from)?;
-        let first = line.first_after_start();
-        Ok(first.map(|(t, surface, flipped)| surfaces[surface as usize].fragment(ray, t, flipped)))
+        if let Some((t, surface, flipped)) = line.first_after_start() {
+            let surface = &surfaces[surface as usize];
+            seen.push(surface.fragment(ray, t, flipped));
+            surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
+        }
+        seen.end_ray();
+        Ok(())
     }
 
     fn see_all<'r>(
@@ -70,9 +78,7 @@ impl<'s> Reference<'s> {
     ) -> Result<(), RayFault> {
         seen.clear();
         for (number, (ray, from)) in rays.enumerate() {
-            let first = self.see(ray, from).map_err(|fault| RayFault { ray: number, fault })?;
-            first.into_iter().for_each(|it| seen.push(it));
-            seen.end_ray();
+            self.see(ray, from, seen).map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
@@ -149,6 +155,7 @@ struct Surface {
     primitive: Primitive,
     origin: Origin,
     material: Option<MaterialId>,
+    standing: Option<Rc<Standing>>,
     route: Route,
     /// The ray in the primitive's frame.
     ray: Ray,
@@ -173,25 +180,6 @@ impl Surface {
     }
 }
 
-/// The matrices of the T-nodes that a ray went through, the last first: GT95's tree of inverted pointers (figure 4).
-enum Chain {
-    World,
-    Transform { inner_from_outer: DAffine3, outer: Rc<Chain> },
-}
-
-impl Chain {
-    /// Maps a normal back through all matrices, the innermost first, each transposed: the inverse of the inverse.
-    fn normal_to_world(&self, normal: DVec3) -> DVec3 {
-        let mut normal = normal;
-        let mut chain = self;
-        while let Self::Transform { inner_from_outer, outer } = chain {
-            normal = inner_from_outer.matrix3.transpose() * normal;
-            chain = outer;
-        }
-        normal
-    }
-}
-
 /// Where a ray is in the graph, and what it brings along.
 #[derive(Clone)]
 struct Here {
@@ -199,6 +187,8 @@ struct Here {
     ray: Ray,
     chain: Rc<Chain>,
     material: Option<MaterialId>,
+    /// Where that paint stands, if its look depends on it.
+    standing: Option<Rc<Standing>>,
     route: Route,
     /// Whether the route has ended, since a Boolean is one solid.
     frozen: bool,
@@ -226,6 +216,7 @@ impl Here {
 /// The walk of one ray through the graph.
 struct Walk<'w, 's> {
     graph: &'s Graph,
+    scene: &'s Scene,
     machine: Machine<'s>,
     limits: &'w Limits,
     /// The surface that the ray starts on.
@@ -264,6 +255,7 @@ impl Walk<'_, '_> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
+                    here.standing = self.standing(*material, &here);
                     node = *body;
                 }
                 Node::Variant { count, body, origin } => {
@@ -390,12 +382,19 @@ impl Walk<'_, '_> {
         Ok(line)
     }
 
+    /// Where a paint stands, if its look depends on that.
+    fn standing(&self, material: MaterialId, here: &Here) -> Option<Rc<Standing>> {
+        let standing = || Rc::new(Standing { ray: here.ray, chain: Rc::clone(&here.chain) });
+        self.scene.is_painted_in_place(material).then(standing)
+    }
+
     /// Notes a surface that was met, and gives it a number.
     fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
         self.surfaces.push(Surface {
             primitive: *primitive,
             origin,
             material: here.material,
+            standing: here.standing.clone(),
             route: here.route,
             ray: here.ray,
             chain: Rc::clone(&here.chain),
@@ -419,7 +418,11 @@ impl Parts<'_, '_, '_> {
         let inner_from_outer = system_from_part.inverse();
         here.ray = here.ray.mapped(&inner_from_outer);
         here.chain = Rc::new(Chain::Transform { inner_from_outer, outer: Rc::clone(&here.chain) });
-        here.material = material.or(here.material);
+        if let Some(material) = material {
+            // A paint that a walk gives stands where the plant does.
+            here.material = Some(material);
+            here.standing = self.walk.standing(material, self.here);
+        }
         if !here.frozen {
             here.route = here.route.then(route);
         }

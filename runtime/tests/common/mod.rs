@@ -120,6 +120,7 @@ pub(crate) fn scene_of(graph: Graph) -> Scene {
         graph,
         seed: 1,
         materials: Vec::new(),
+        textures: Vec::new(),
         camera: None,
         suns: Vec::new(),
         sky: None,
@@ -268,6 +269,25 @@ fn random_transform(dice: &mut Dice, b: &mut Builder, body: NodeId) -> NodeId {
     };
     let offset = [dice.between(-0.6, 0.6), dice.between(-0.6, 0.6), dice.between(-0.6, 0.6)];
     b.transform(TransformKind::Move, &offset, scaled)
+}
+
+/// Gives the nodes that a node names other numbers.
+pub(crate) fn rename(node: &mut Node, renamed: &[NodeId]) {
+    let new = |id: &mut NodeId| *id = renamed[id.0 as usize];
+    match node {
+        Node::Empty | Node::Primitive { .. } | Node::Call(_) | Node::System(_) | Node::Shape(_) => {}
+        Node::Transform { body, .. }
+        | Node::Calc { body, .. }
+        | Node::Paint { body, .. }
+        | Node::Variant { body, .. }
+        | Node::Repeat { body, .. } => new(body),
+        Node::Choice { then, otherwise, .. } => [then, otherwise].into_iter().for_each(new),
+        Node::Union(operands) | Node::Intersect(operands) => operands.iter_mut().for_each(new),
+        Node::Difference(first, others) => {
+            new(first);
+            others.iter_mut().for_each(new);
+        }
+    }
 }
 
 /// A bundle of rays that fills a square around the origin, seen along a direction off every axis.

@@ -23,6 +23,8 @@ pub(crate) struct Spheres {
     pub(crate) ground: bool,
     /// Rays that come down in here, on the plane z = 0, meet a fault.
     pub(crate) faulty: Option<fn(DVec3) -> bool>,
+    /// The same for rays that start on something.
+    pub(crate) faulty_image: Option<fn(DVec3) -> bool>,
 }
 
 /// A sphere without paint.
@@ -45,6 +47,7 @@ pub(crate) fn scene(camera: Camera, suns: Vec<Sun>, size: (u32, u32), samples: u
         graph: Graph::new(vec![Node::Empty], Vec::new(), vec![system], Vec::new(), SystemId(0)).unwrap(),
         seed: 0,
         materials: vec![Material { color: [1.0; 3], name: "White".into(), ..Material::default() }],
+        textures: Vec::new(),
         camera: Some(camera),
         suns,
         sky: None,
@@ -87,9 +90,9 @@ impl Spheres {
         }
     }
 
-    fn fault(&self, ray: &Ray) -> Option<Fault> {
+    fn fault(ray: &Ray, faulty: Option<fn(DVec3) -> bool>) -> Option<Fault> {
         let ground = ray.at(-ray.origin.z / ray.direction.z);
-        self.faulty.is_some_and(|faulty| faulty(ground)).then(|| {
+        faulty.is_some_and(|faulty| faulty(ground)).then(|| {
             let (x, y) = (ground.x.floor(), ground.y.floor());
             let kind = FaultKind::Range { name: "place".into(), value: x, low: y, high: 0.0 };
             Fault::new(kind, Origin::NONE)
@@ -110,7 +113,7 @@ impl Tracer for Spheres {
     fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
         seen.clear();
         for (number, Beam { ray, .. }) in beams.iter().enumerate() {
-            if let Some(fault) = self.fault(ray) {
+            if let Some(fault) = Self::fault(ray, self.faulty) {
                 return Err(RayFault { ray: number, fault });
             }
             self.nearest(ray, None).into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
@@ -121,7 +124,10 @@ impl Tracer for Spheres {
 
     fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
         seen.clear();
-        for SurfaceBeam { beam: Beam { ray, .. }, from } in beams {
+        for (number, SurfaceBeam { beam: Beam { ray, .. }, from }) in beams.iter().enumerate() {
+            if let Some(fault) = Self::fault(ray, self.faulty_image) {
+                return Err(RayFault { ray: number, fault });
+            }
             let nearest = self.nearest(ray, from.path.first().copied());
             nearest.into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
             seen.end_ray();

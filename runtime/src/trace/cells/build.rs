@@ -144,6 +144,8 @@ struct Draft {
 struct Way {
     state_from_inner: DAffine3,
     material: Option<MaterialId>,
+    /// The frame in which that paint stands, if its look depends on it.
+    state_from_paint: Option<DAffine3>,
     route: Route,
     frozen: bool,
     levels: u32,
@@ -156,13 +158,21 @@ enum Outline {
 }
 
 impl Way {
-    const START: Self =
-        Self { state_from_inner: DAffine3::IDENTITY, material: None, route: Route::START, frozen: false, levels: 0 };
+    const START: Self = Self {
+        state_from_inner: DAffine3::IDENTITY,
+        material: None,
+        state_from_paint: None,
+        route: Route::START,
+        frozen: false,
+        levels: 0,
+    };
 
     fn to(self, piece: &Piece) -> Self {
+        let own = || piece.outer_from_paint.as_deref().map(|it| self.state_from_inner * *it);
         Self {
             state_from_inner: self.state_from_inner * piece.outer_from_inner,
             material: piece.material.or(self.material),
+            state_from_paint: if piece.material.is_some() { own() } else { self.state_from_paint },
             route: if self.frozen { self.route } else { self.route.then(piece.route) },
             ..self
         }
@@ -386,8 +396,13 @@ impl Layout<'_, '_> {
 
     fn part(&mut self, member: Ref, way: &Way, origin: Origin) -> u32 {
         let Way { material, route, frozen, levels, .. } = *way;
+        let part = self.cell.parts.len() as u32;
         self.cell.parts.push(Part { member, material, route, frozen, origin, levels });
-        self.cell.parts.len() as u32 - 1
+        if let Some(state_from_paint) = way.state_from_paint {
+            let paint_from_cell = inverse(&state_from_paint) * self.frame.state_from_cell();
+            self.cell.painted.push((part, paint_from_cell));
+        }
+        part
     }
 
     fn boolean(&mut self, difference: bool, operands: Vec<Vec<Draft>>) -> Result<(Ref, Aabb), Fault> {

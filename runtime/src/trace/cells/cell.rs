@@ -35,6 +35,8 @@ pub(super) struct Cell {
     pub(super) booleans: Vec<Boolean>,
     /// By number of the part: what a hit needs to know.
     pub(super) parts: Vec<Part>,
+    /// The ways to the frames in which paints stand, of the parts whose look depends on that, by number of the part.
+    pub(super) painted: Vec<(u32, DAffine3)>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
     pub(super) levels: u32,
     /// The box of all in it, in its own frame; empty if it does not end.
@@ -129,6 +131,7 @@ impl Default for Cell {
             instances: Vec::new(),
             booleans: Vec::new(),
             parts: Vec::new(),
+            painted: Vec::new(),
             levels: 0,
             bounds: Aabb::EMPTY,
         }
@@ -136,6 +139,12 @@ impl Default for Cell {
 }
 
 impl Cell {
+    /// The way to the frame in which the paint of a part stands, if its look depends on that.
+    pub(super) fn paint_from_cell(&self, part: u32) -> Option<&DAffine3> {
+        let at = self.painted.binary_search_by_key(&part, |it| it.0).ok()?;
+        Some(&self.painted[at].1)
+    }
+
     /// The way into the instance that a part is, and its state; none if the part is no instance.
     pub(super) fn way_into(&self, part: u32) -> Option<(&Inwards, u32)> {
         let Named::Instance(number) = self.parts.get(part as usize)?.member.named() else {
@@ -246,6 +255,7 @@ impl Cell {
         self.instances.shrink_to_fit();
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
+        self.painted.shrink_to_fit();
         self
     }
 
@@ -260,6 +270,7 @@ impl Cell {
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)
+            + size_of_val(&*self.painted)
             + always
     }
 }

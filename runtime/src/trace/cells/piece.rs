@@ -12,6 +12,8 @@ use crate::trace::{Group, Item, Route, Solid};
 pub(super) struct Piece {
     pub(super) outer_from_inner: DAffine3,
     pub(super) material: Option<MaterialId>,
+    /// The frame in which that paint stands, if its look depends on it.
+    pub(super) outer_from_paint: Option<Box<DAffine3>>,
     pub(super) route: Route,
     pub(super) shape: Shape,
 }
@@ -37,7 +39,8 @@ impl Piece {
 
     // Booleans nest as deep as the text of one rule does, which the grammar limits.
     fn of_item(store: &Store, item: Item) -> Self {
-        let Item { group_from_item: outer_from_inner, material, route, solid } = item;
+        let Item { group_from_item: outer_from_inner, material, group_from_paint: outer_from_paint, route, solid } =
+            item;
         let shape = match solid {
             Solid::Leaf { primitive, origin } => Shape::Leaf(Box::new(primitive), origin),
             Solid::Instance(state, origin) => Shape::Instance(store.number(state), origin),
@@ -49,7 +52,7 @@ impl Piece {
                 Shape::Difference(operands.map(|it| Self::of_group(store, it)).collect())
             }
         };
-        Self { outer_from_inner, material, route, shape }
+        Self { outer_from_inner, material, outer_from_paint, route, shape }
     }
 
     /// Calls `visit` with the states in some pieces, those inside Booleans too, in the order written.

@@ -18,7 +18,7 @@ use super::store::{Generation, Store};
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::Ray;
-use crate::trace::{Fragment, Route, Seen, Site};
+use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
 /// A hit as a search leaves it.
 pub(super) struct Hit<'r> {
@@ -58,10 +58,28 @@ struct Place<'g> {
     /// The ways into the cells on the way, as far as those are kept.
     ways: SmallVec<[&'g Inwards; 8]>,
     material: Option<MaterialId>,
+    /// Where that paint stands, if its look depends on it.
+    standing: Option<Box<Standing>>,
     route: Route,
     frozen: bool,
     /// From the world to the cell, but for its size.
     cell_from_world: DMat3,
+}
+
+/// The frame in which a paint stands.
+#[derive(Clone)]
+struct Standing {
+    /// How many ways lead to the cell that it stands in.
+    ways: usize,
+    paint_from_cell: DAffine3,
+}
+
+impl Standing {
+    /// That of the paint of a part of a cell to which so many ways lead, if its look depends on it.
+    fn of(cell: &Cell, part: u32, ways: usize) -> Option<Self> {
+        let paint_from_cell = *cell.paint_from_cell(part)?;
+        Some(Self { ways, paint_from_cell })
+    }
 }
 
 /// A cell that is kept, or one for this place alone.
@@ -203,27 +221,37 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 site: Site { path: path.clone(), face: 0 },
                 ..Fragment::of_surface(veil.t, position, normal, part.origin)
             });
+            // What is painted in there has no one place.
+            if paint.is_none() && proxy.is_some() {
+                self.stand(place, veil.mark.part, (ray, veil.t), seen);
+            }
         }
     }
 
     /// A ray in the frame of a place.
     fn local(&self, place: &Place, ray: &Ray) -> Local {
-        let start = Local::new(ray, self.cell_from_world);
-        if place.ways.len() == place.path.len() {
-            return place.ways.iter().fold(start, |local, way| local.entered(way).0);
+        let mut local = Local::new(ray, self.cell_from_world);
+        self.go_in(place, place.path.len(), |way| local = local.entered(way).0);
+        local
+    }
+
+    /// Goes the first so many ways to a place, from the outermost.
+    #[inline]
+    fn go_in(&self, place: &Place, count: usize, enter: impl FnMut(&Inwards)) {
+        match place.ways.get(..count) {
+            Some(ways) => ways.iter().copied().for_each(enter),
+            None => self.go_by_path(&place.path[..count], enter),
         }
-        self.local_by_path(place, start)
     }
 
     /// The same where cells on the way are not kept.
     #[cold]
-    fn local_by_path(&self, place: &Place, start: Local) -> Local {
-        let mut local = start;
+    fn go_by_path(&self, path: &[u32], mut enter: impl FnMut(&Inwards)) {
         let mut cell = match self.root {
             Root::State(state) => self.held(state).ok(),
             Root::Cell(_) => Some(Held::Root),
         };
-        for number in &place.path {
+        for number in path {
             let here = match (&cell, self.root) {
                 (Some(Held::Kept(cell)), _) => *cell,
                 (Some(Held::Own(cell)), _) => cell,
@@ -233,14 +261,13 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             let Some((way, state)) = here.way_into(number & !ENDED) else {
                 break;
             };
-            local = local.entered(way).0;
+            enter(way);
             let ended = number & ENDED != 0;
             cell = match self.generation.ending(self.store.model(state)) {
                 Some(Ending::Solid(cell)) if ended => Some(Held::Kept(cell)),
                 _ => self.held(state).ok(),
             };
         }
-        local
     }
 
     fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
@@ -274,11 +301,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             path: SmallVec::new(),
             ways: SmallVec::new(),
             material: None,
+            standing: None,
             route: Route::START,
             frozen: false,
             cell_from_world: DMat3::IDENTITY,
         };
-        for number in &path {
+        for (depth, number) in path.iter().enumerate() {
             let cell = self.cell_of(&place);
             let (number, ended) = (number & !ENDED, number & ENDED != 0);
             let Some(part) = cell.parts.get(number as usize) else {
@@ -292,9 +320,15 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             let (route, frozen) =
                 if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
             let material = part.material.or(place.material);
+            let standing = part.material.is_some().then(|| Standing::of(cell, number, depth));
             let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
-            if let Held::Kept(cell) = place.cell {
+            if place.ways.len() == depth
+                && let Held::Kept(cell) = place.cell
+            {
                 place.ways.extend(cell.way_into(number).map(|it| it.0));
+            }
+            if let Some(standing) = standing {
+                place.standing = standing.map(Box::new);
             }
             (place.material, place.route, place.frozen) = (material, route, frozen);
             place.cell_from_world = cell_from_world;
@@ -333,6 +367,38 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             site: Site { path, face: mark.face },
             ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
+        self.stand(place, mark.part, (hit.ray, hit.depth), seen);
+    }
+
+    /// Tells the last fragment where it is in the frame in which its paint stands, if its look depends on that.
+    #[inline]
+    fn stand(&self, place: &Place, part: u32, at: (&Ray, f64), seen: &mut Seen) {
+        let cell = self.cell_of(place);
+        if place.standing.is_none() && cell.painted.is_empty() {
+            return;
+        }
+        let own = cell.parts.get(part as usize).is_some_and(|it| it.material.is_some());
+        let of_part = || Standing::of(cell, part, place.path.len());
+        let standing = if own { of_part() } else { place.standing.as_deref().cloned() };
+        if let Some(standing) = standing {
+            seen.paint(self.painted(place, &standing, at));
+        }
+    }
+
+    /// The place of a ray at `t` in the frame in which a paint stands.
+    #[cold]
+    #[inline(never)]
+    fn painted(&self, place: &Place, standing: &Standing, (ray, t): (&Ray, f64)) -> Painted {
+        let mut local = Local::new(ray, self.cell_from_world);
+        let mut matrix = self.cell_from_world.inner_from_outer.matrix3;
+        self.go_in(place, standing.ways, |way| {
+            local = local.entered(way).0;
+            matrix = way.inner_from_outer.matrix3 * matrix;
+        });
+        Painted {
+            position: point_in(&local, &standing.paint_from_cell, t),
+            paint_from_world: standing.paint_from_cell.matrix3 * matrix,
+        }
     }
 
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),

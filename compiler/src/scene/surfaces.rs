@@ -1,0 +1,101 @@
+//! Materials and textures.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use treegen_runtime::form::{Fbm, Fourier, Material, Pattern, Space, Texture, TextureId};
+
+use super::{Fields, Setting};
+use crate::constant::Constants;
+use crate::fields as rules;
+use crate::lower::origin;
+use crate::program::{FieldValue, MaterialId, Record};
+
+/// The materials that a graph names, in its order, and the textures that these name.
+pub(crate) fn surfaces(setting: &Setting, used: &[MaterialId]) -> (Vec<Material>, Vec<Texture>) {
+    let mut materials: Vec<Material> =
+        used.iter().filter_map(|it| setting.materials.get(it.index()).cloned()).collect();
+    let mut textures = Vec::new();
+    let mut numbers: HashMap<TextureId, TextureId> = HashMap::new();
+    // What is shown has only textures that have an effect.
+    let mut number = |texture: TextureId| {
+        if let Some(number) = numbers.get(&texture) {
+            return Some(*number);
+        }
+        textures.push(setting.textures.get(texture.0 as usize)?.clone()?);
+        let number = TextureId(textures.len() as u32 - 1);
+        numbers.insert(texture, number);
+        Some(number)
+    };
+    for Material { shade, bump, .. } in &mut materials {
+        *shade = shade.and_then(&mut number);
+        *bump = bump.and_then(&mut number);
+    }
+    (materials, textures)
+}
+
+pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Material {
+    let fields = Fields::find(constants, record, rules::MATERIAL);
+    let default = Material::default();
+    Material {
+        name: record.name.clone(),
+        color: fields.vector("color").unwrap_or(default.color),
+        range: fields.vector("range").unwrap_or(default.range),
+        shade: fields.texture("shade").map(TextureId),
+        amount: fields.number("amount").unwrap_or(default.amount),
+        bump: fields.texture("bump").map(TextureId),
+        depth: fields.number("depth").unwrap_or(default.depth),
+        gloss: fields.number("gloss").unwrap_or(default.gloss),
+        mirror: fields.number("mirror").unwrap_or(default.mirror),
+        origin: origin(record.span),
+    }
+}
+
+/// A texture; none if its kind has no effect yet.
+pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<Texture> {
+    let kind = record.fields.iter().find_map(|it| match (it.name, &it.value) {
+        ("kind", FieldValue::Word(word)) => Some(*word),
+        _ => None,
+    })?;
+    let fields = Fields::find(constants, record, rules::texture(kind));
+    let pattern = match kind {
+        "fourier" => Pattern::Fourier(fourier(&fields)),
+        "fbm" => Pattern::Fbm(fbm(&fields)),
+        _ => return None,
+    };
+    let default = Texture::new(pattern);
+    Some(Texture {
+        name: record.name.clone(),
+        space: match fields.word("space") {
+            Some("object") => Space::Object,
+            Some(_) => Space::World,
+            None => default.space,
+        },
+        seed: fields.number("seed").unwrap_or(default.seed),
+        stretch: fields.vector("stretch").map_or(default.stretch, DVec3::from),
+        offset: fields.vector("offset").map_or(default.offset, DVec3::from),
+        origin: origin(record.span),
+        ..default
+    })
+}
+
+fn fourier(fields: &Fields<'_>) -> Fourier {
+    let default = Fourier::default();
+    Fourier {
+        terms: fields.number("terms").map_or(default.terms, |it| it as u32),
+        frequency: fields.number("frequency").unwrap_or(default.frequency),
+        phase: fields.number("phase").unwrap_or(default.phase),
+        ratio: fields.number("ratio").unwrap_or(default.ratio),
+        gain: fields.number("gain").unwrap_or(default.gain),
+    }
+}
+
+fn fbm(fields: &Fields<'_>) -> Fbm {
+    let default = Fbm::default();
+    Fbm {
+        dimension: fields.number("dimension").unwrap_or(default.dimension),
+        octaves: fields.number("octaves").map_or(default.octaves, |it| it as u32),
+        frequency: fields.number("frequency").unwrap_or(default.frequency),
+        lacunarity: fields.number("lacunarity").unwrap_or(default.lacunarity),
+    }
+}

@@ -1,0 +1,114 @@
+//! Textures: patterns in space, as plain data.
+
+use glam::DVec3;
+
+use super::Origin;
+
+/// Names a texture of a [`Scene`](super::Scene).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TextureId(pub u32);
+
+/// A pattern in space: it has a tone at every point, about from 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Its name.
+    pub name: String,
+    /// Which frame it is measured in.
+    pub space: Space,
+    /// Another number, another pattern of the same kind.
+    pub seed: f64,
+    /// How many times as long it is along each axis: three numbers above 0.
+    pub stretch: DVec3,
+    /// Where its own origin is.
+    pub offset: DVec3,
+    /// What it is.
+    pub pattern: Pattern,
+    /// Its place in the text.
+    pub origin: Origin,
+}
+
+/// What a [`Texture`] is measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// The frame in which the paint stands: the pattern goes with the thing it is on.
+    Object,
+    /// The world: one pattern runs on across all things.
+    World,
+}
+
+/// The kinds of pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pattern {
+    /// Sums of sine waves in x and in y, multiplied (G84, equation 15).
+    Fourier(Fourier),
+    /// Fractional Brownian motion: noise on noise of half the size.
+    Fbm(Fbm),
+}
+
+/// The numbers of a [`Pattern::Fourier`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fourier {
+    /// How many waves each sum has: 1 to [`Fourier::MOST_TERMS`].
+    pub terms: u32,
+    /// Of the first wave, in cycles a metre; above 0.
+    pub frequency: f64,
+    /// How far waves are bent by those across them, in radians.
+    pub phase: f64,
+    /// By how much the frequency grows from one wave to the next; above 0.
+    pub ratio: f64,
+    /// By how much the amplitude falls, 0 to 1.
+    pub gain: f64,
+}
+
+/// The numbers of a [`Pattern::Fbm`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fbm {
+    /// The fractal dimension of its graph over a plane: 2 is smooth, 3 fills space.
+    pub dimension: f64,
+    /// How many sizes of noise there are: 1 to [`Fbm::MOST_OCTAVES`].
+    pub octaves: u32,
+    /// Of the largest, in cycles a metre; above 0.
+    pub frequency: f64,
+    /// By how much the frequency grows from one size to the next; above 0.
+    pub lacunarity: f64,
+}
+
+impl Fourier {
+    /// The most waves that a sum has.
+    pub const MOST_TERMS: u32 = 12;
+}
+
+impl Default for Fourier {
+    fn default() -> Self {
+        Self { terms: 5, frequency: 1.0, phase: 1.0, ratio: 2.0, gain: 0.707 }
+    }
+}
+
+impl Fbm {
+    /// The most sizes of noise that there are.
+    pub const MOST_OCTAVES: u32 = 16;
+}
+
+impl Default for Fbm {
+    fn default() -> Self {
+        Self { dimension: 2.3, octaves: 6, frequency: 1.0, lacunarity: 2.0 }
+    }
+}
+
+impl Texture {
+    /// A texture with this pattern and all else as a program leaves it.
+    pub fn new(pattern: Pattern) -> Self {
+        Self {
+            name: String::new(),
+            space: match pattern {
+                Pattern::Fourier(_) => Space::World,
+                Pattern::Fbm(_) => Space::Object,
+            },
+            seed: 0.0,
+            stretch: DVec3::ONE,
+            offset: DVec3::ZERO,
+            pattern,
+            origin: Origin::NONE,
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Sunlight: how much of the suns' light falls on the fragments of a batch.
+
+use glam::DVec3;
+
+use super::color::within;
+use super::light::SunLight;
+use super::paint::Paints;
+use super::shade::{Key, Pass};
+use super::skin::Skins;
+use crate::geometry::Ray;
+use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
+
+/// The light of suns on a fragment.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Lit {
+    pub(super) matt: DVec3,
+    pub(super) gloss: DVec3,
+}
+
+/// Room for lighting one batch after another.
+#[derive(Debug, Default)]
+pub(super) struct Sunlight {
+    owners: Vec<Owner>,
+    shadow_beams: Vec<SurfaceBeam>,
+    /// Fragments that face the light, each with its shadow beam.
+    aimed: Vec<(u32, u32)>,
+    /// How much light comes along each of them.
+    light: Vec<f64>,
+    /// What has come to each fragment.
+    pub(super) lit: Vec<Lit>,
+    /// How many shadow rays were traced so far.
+    pub(super) count: u64,
+}
+
+/// What a fragment belongs to: those with the same owner share a shadow beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Owner {
+    ray: u32,
+    /// Which part of what the ray sees it is in: so many veils may lie on a ray that each by itself hardly counts.
+    layer: u8,
+}
+
+/// How many shadow beams the fragments of one ray have at most.
+const LAYERS: f64 = 4.0;
+
+/// How soon light comes to a bumped surface that turns towards it.
+const DAWN: f64 = 8.0;
+
+impl Sunlight {
+    /// Finds the light of all suns on all fragments. Where there are no mirrors, the fragments lose their sites.
+    ///
+    /// # Errors
+    /// The fault of the lowest ray that meets one.
+    pub(super) fn fall<B: AsRef<Beam>>(
+        &mut self,
+        suns: &[SunLight],
+        paints: &Paints,
+        tracer: &dyn Tracer,
+        pass: &Pass<'_, B>,
+        (seen, skins): (&mut Seen, &Skins),
+    ) -> Result<(), RayFault> {
+        self.own(seen);
+        self.lit.clear();
+        self.lit.resize(seen.fragments().len(), Lit::default());
+        for (number, sun) in suns.iter().enumerate() {
+            let last = number + 1 == suns.len() && !paints.mirrors;
+            self.aim(sun, last, pass, seen, skins);
+            self.trace(tracer)?;
+            self.light(sun, paints, pass, seen, skins);
+        }
+        Ok(())
+    }
+
+    /// Notes what each fragment belongs to.
+    fn own(&mut self, seen: &Seen) {
+        self.owners.clear();
+        for (ray, fragments) in seen.rays().enumerate() {
+            let mut hidden = 0.0;
+            for fragment in fragments {
+                let part = (1.0 - hidden) * within(fragment.coverage, 1.0);
+                let layer = ((hidden + 0.5 * part) * LAYERS) as u8;
+                hidden += part;
+                self.owners.push(Owner { ray: ray as u32, layer });
+            }
+        }
+    }
+
+    /// Collects the shadow beams of one sun, of all fragments that face it.
+    fn aim<B: AsRef<Beam>>(&mut self, sun: &SunLight, last: bool, pass: &Pass<'_, B>, seen: &mut Seen, skins: &Skins) {
+        self.shadow_beams.clear();
+        self.aimed.clear();
+        let mut shared = None;
+        for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&self.owners).enumerate() {
+            let faces = |normal: DVec3| normal.dot(sun.toward) > 0.0;
+            let faces_away = !faces(fragment.normal) || skins.of(number).is_some_and(|it| !faces(it.normal));
+            if fragment.spread == 0.0 && faces_away {
+                continue;
+            }
+            if shared != Some(*owner) {
+                shared = Some(*owner);
+                // The last one who asks takes the site instead of copying it.
+                let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
+                let beam = pass.beam(owner.ray);
+                let Key { pixel, sample, .. } = pass.keys[owner.ray as usize];
+                let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
+                let width = beam.width_at(fragment.depth);
+                self.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
+            }
+            self.aimed.push((number as u32, self.shadow_beams.len() as u32 - 1));
+        }
+    }
+
+    /// Traces the shadow beams.
+    fn trace(&mut self, tracer: &dyn Tracer) -> Result<(), RayFault> {
+        self.light.clear();
+        if self.shadow_beams.is_empty() {
+            return Ok(());
+        }
+        self.count += self.shadow_beams.len() as u64;
+        tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
+            let first = self.aimed.iter().find(|(_, beam)| *beam as usize == ray);
+            let owner = first.and_then(|(fragment, _)| self.owners.get(*fragment as usize));
+            RayFault { ray: owner.map_or(0, |it| it.ray as usize), fault }
+        })
+    }
+
+    /// Lights the fragments by what came along their shadow beams.
+    fn light<B: AsRef<Beam>>(
+        &mut self,
+        sun: &SunLight,
+        paints: &Paints,
+        pass: &Pass<'_, B>,
+        seen: &Seen,
+        skins: &Skins,
+    ) {
+        for (number, beam) in &self.aimed {
+            let number = *number as usize;
+            let fragment = &seen.fragments()[number];
+            let skin = skins.of(number);
+            let normal = skin.map_or(fragment.normal, |it| it.normal);
+            let mut light = self.light[*beam as usize] * fragment.open;
+            if light == 0.0 {
+                continue;
+            }
+            if skin.is_some_and(|it| it.bumped) && fragment.spread == 0.0 {
+                // Bumps that face the sun would else be cut off where the surface beneath them turns away.
+                light *= (fragment.normal.dot(sun.toward) * DAWN).min(1.0);
+            }
+            let lit = &mut self.lit[number];
+            lit.matt += sun.color * (facing(normal, fragment.spread, sun.toward) * light);
+            if let Some(gloss) = paints.of(fragment.material).gloss {
+                let direction = pass.beam(self.owners[number].ray).ray.direction;
+                let highlight = gloss.highlight(normal, sun.toward, direction) * (1.0 - fragment.spread);
+                lit.gloss += sun.color * (highlight * light);
+            }
+        }
+    }
+}
+
+/// How much of a light falls on a surface: the cosine, or the mean of the cosines where normals differ so much.
+///
+/// In between it is the root that is exact for one normal and for normals of all sides, whose mean is a quarter.
+fn facing(normal: DVec3, spread: f64, toward: DVec3) -> f64 {
+    let cosine = normal.dot(toward);
+    if spread == 0.0 {
+        return cosine;
+    }
+    let length = 1.0 - spread;
+    let (cosine, rest) = (cosine * length, 0.25 * (1.0 - length * length));
+    0.5 * (cosine + (cosine * cosine + rest).sqrt())
+}

@@ -1,0 +1,66 @@
+//! Fractional Brownian motion: octaves of gradient noise, each so much finer and lower (FG86, section 4; FM85).
+
+use glam::DVec3;
+
+use super::{Footprint, Tone};
+use crate::eval::{NOISE_VARIANCE, Tangent, gradient_noise, mix, spread};
+use crate::form::Fbm;
+
+/// Its mean.
+pub(super) const MEAN: f64 = 0.5;
+/// How many of its deviations lie between its mean and 0 or 1.
+const REACH: f64 = 3.0;
+
+/// The octaves that are added.
+#[derive(Clone, Debug)]
+pub(super) struct Octaves(Vec<Octave>);
+
+#[derive(Clone, Copy, Debug)]
+struct Octave {
+    frequency: f64,
+    amplitude: f64,
+    seed: u64,
+    /// So that the lattices of octaves, on which they are 0, do not lie on each other.
+    shift: DVec3,
+}
+
+impl Octaves {
+    /// The amplitude falls by the Hurst exponent 3 - dimension. The whole has the deviation that [`REACH`] says.
+    pub(super) fn new(fbm: &Fbm, seed: u64) -> Self {
+        let hurst = (3.0 - fbm.dimension).clamp(0.0, 1.0);
+        let fall = libm::pow(fbm.lacunarity, -hurst);
+        let (mut frequency, mut amplitude) = (fbm.frequency, 1.0);
+        let mut octaves = Vec::new();
+        for number in 0..u64::from(fbm.octaves.clamp(1, Fbm::MOST_OCTAVES)) {
+            let seed = mix(seed, number);
+            octaves.push(Octave { frequency, amplitude, seed, shift: shift(seed) });
+            (frequency, amplitude) = (frequency * fbm.lacunarity, amplitude * fall);
+        }
+        let square: f64 = octaves.iter().map(|it| it.amplitude * it.amplitude).sum();
+        let scale = MEAN / (REACH * (square * NOISE_VARIANCE).sqrt());
+        octaves.iter_mut().for_each(|it| it.amplitude *= scale);
+        Self(octaves)
+    }
+
+    pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
+        let mut tone = Tone { value: MEAN, slope: DVec3::ZERO };
+        for octave in &self.0 {
+            let left = octave.amplitude * footprint.left_of_waves(octave.frequency * std::f64::consts::TAU);
+            if left == 0.0 {
+                continue;
+            }
+            let Tangent { value, slope } = gradient_noise(octave.seed, point * octave.frequency + octave.shift);
+            tone.value += left * value;
+            tone.slope += slope * (left * octave.frequency);
+        }
+        tone
+    }
+}
+
+/// A point of the unit cube.
+fn shift(seed: u64) -> DVec3 {
+    let x = spread(!seed);
+    let y = spread(x);
+    let part = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64;
+    DVec3::new(part(x), part(y), part(spread(y)))
+}

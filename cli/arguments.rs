@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum, error::ErrorKind};
 use treegen_compiler::Setting;
+use treegen_runtime::Limits;
+use treegen_runtime::mesh::StemSurface;
 use treegen_runtime::picture::Rect;
 use treegen_runtime::trace::cells::Culling as CullingMode;
 
@@ -21,12 +23,16 @@ const MAX_SAMPLES: i64 = 4096;
 
 const MAX_SEEDS: i64 = 10_000;
 
+/// So many fit into a .glb, whatever they are parts of.
+const MAX_TRIANGLES: u64 = 30_000_000;
+
 const EXAMPLES: &str = "\
 Examples:
   treegen sierpinski.tg                              a picture: sierpinski.png in this folder
   treegen sierpinski.tg -o big.png --size 1920x1080  another name, another size
   treegen sierpinski.tg --set Sierpinski.order=12    another value for a parameter
   treegen sierpinski.tg -o layers.exr                depth, normals, materials: for compositing
+  treegen elm.tg -o elm.glb                          a mesh, for other programs
   treegen - -o - < sierpinski.tg | display           from a pipe into a pipe
   treegen check sierpinski.tg                        only look for mistakes
   treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
@@ -67,7 +73,7 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT.png]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
@@ -115,9 +121,9 @@ pub struct Render {
     /// The program; `-` reads it from standard input
     #[arg(value_name = "FILE", required = true)]
     file: Option<PathBuf>,
-    /// Where the picture goes: a .png, an .exr with layers (colour, alpha, depth, normal, position, material), or `-` for a PNG on
-    /// standard output [default: FILE's name with .png in the current folder; standard output for `-`]
-    #[arg(short, long, value_name = "OUT", help_heading = "Picture")]
+    /// Where it goes: a picture as .png, as .exr with layers (colour, alpha, depth, normal, position, material), or `-` for a PNG on
+    /// standard output; a mesh as .glb, .obj or .ply [default: FILE's name with .png in the current folder; standard output for `-`]
+    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Width and height in pixels, instead of the program's
     #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
@@ -134,6 +140,13 @@ pub struct Render {
     /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end, if it has one
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
     pub detail: f64,
+    /// How the surface of stems is made
+    #[arg(long, value_name = "SURFACE", default_value = "cones", help_heading = "Mesh")]
+    pub surface: Surface,
+    /// Triangles that a mesh has at most; where there are more, that is an error and no file is written
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_TRIANGLES), default_value_t = Limits::default().triangles)]
+    #[arg(help_heading = "Mesh")]
+    pub triangles: u64,
     /// What the program's parameters are.
     #[command(flatten)]
     pub program: Program,
@@ -170,6 +183,27 @@ pub struct Program {
     /// Another seed draws another tree
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
+}
+
+/// How the surface of stems is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Surface {
+    /// Each segment a cone of eight flat pieces
+    Cones,
+    /// Rounded at bends: a Catmull-Clark surface, subdivided once
+    Smooth,
+    /// The same, subdivided twice
+    Smoother,
+}
+
+impl From<Surface> for StemSurface {
+    fn from(surface: Surface) -> Self {
+        match surface {
+            Surface::Cones => Self::Cones,
+            Surface::Smooth => Self::Smooth,
+            Surface::Smoother => Self::Smoother,
+        }
+    }
 }
 
 /// What is passed over unseen.

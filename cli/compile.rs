@@ -4,6 +4,7 @@ use std::path::Path;
 
 use treegen_compiler::{Compiled, Options, Problem, Sources, Vocabulary};
 use treegen_runtime::form::Scene;
+use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, FaultKind, Limit, Limits};
 
 use crate::arguments::Program;
@@ -66,6 +67,14 @@ impl Understood {
         self
     }
 
+    /// Tells what a mesh leaves out.
+    pub fn warn_of(&self, left_out: &[LeftOut], console: Console) {
+        let problems: Vec<Problem> = left_out.iter().map(treegen_compiler::problem_of_left_out).collect();
+        if !problems.is_empty() {
+            console.warn(&treegen_compiler::show(&problems, &self.sources, console.color));
+        }
+    }
+
     /// A fault in words.
     pub fn failure(&self, fault: &Fault, console: Console) -> Failure {
         if fault.kind == FaultKind::Interrupted {
@@ -74,6 +83,9 @@ impl Understood {
         let mut problem = treegen_compiler::problem_of_fault(fault, &self.vocabulary);
         if matches!(fault.kind, FaultKind::Limit { limit: Limit::Primitives, .. }) {
             problem.notes.insert(0, "`--limit N` allows so many".to_owned());
+        }
+        if matches!(fault.kind, FaultKind::Limit { limit: Limit::Triangles, .. }) {
+            problem.notes.insert(0, "`--triangles N` allows so many".to_owned());
         }
         let problems = [problem];
         Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color))

@@ -14,6 +14,7 @@ mod inspect_derivation;
 mod inspect_expand;
 mod inspect_form;
 mod measure;
+mod mesh;
 mod output;
 mod progress;
 mod render;
@@ -36,7 +37,10 @@ fn main() -> ExitCode {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
         Some(Command::Measure(arguments)) => measure::measure(arguments, console),
-        None => render::render(cli.render, console),
+        None => match mesh::Format::of(&cli.render.output()) {
+            Some(format) => mesh::export(cli.render, format, console),
+            None => render::render(cli.render, console),
+        },
     };
     match result {
         Ok(()) => Exit::Done.into(),

@@ -114,8 +114,8 @@ impl Format {
             Some("exr") => Ok(Self::Exr),
             _ if !place.is_file() => Ok(Self::Png),
             _ => {
-                let failure = Failure::usage(format!("`{}` does not say what kind of picture it is", shown(path)));
-                Err(failure.help("end its name with .png or .exr"))
+                let failure = Failure::usage(format!("`{}` does not say what kind of file it is", shown(path)));
+                Err(failure.help("end its name with .png or .exr for a picture, with .glb, .obj or .ply for a mesh"))
             }
         }
     }

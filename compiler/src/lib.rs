@@ -33,6 +33,7 @@ pub use treegen_grammar::{FileId, Span};
 pub use vocabulary::Vocabulary;
 
 use treegen_runtime::form::{Scene, Value};
+use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, Limits};
 
 use lower::code::Values;
@@ -127,6 +128,11 @@ pub fn certain_faults(scene: &Scene, limits: &Limits, vocabulary: &Vocabulary) -
 /// A fault that was met while a program ran, in words.
 pub fn problem_of_fault(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     words::fault::problem(fault, vocabulary)
+}
+
+/// Something that a mesh leaves out, in words: a warning.
+pub fn problem_of_left_out(left_out: &LeftOut) -> Problem {
+    words::fault::left_out(left_out)
 }
 
 /// A value as a program would write it; long lists and texts are cut.

@@ -130,6 +130,8 @@ pub enum FaultKind {
     },
     /// A surface without an inside below `&` or `\`.
     Open(PrimitiveKind),
+    /// Nothing that is shown has a mesh.
+    NoMesh,
     /// A limit was met.
     Limit {
         /// Which.
@@ -170,6 +172,8 @@ pub enum Limit {
     Intervals,
     /// Primitives of an exported scene.
     Primitives,
+    /// Triangles of a mesh.
+    Triangles,
     /// Pixels of a picture.
     Pixels,
     /// Samples of a pixel.

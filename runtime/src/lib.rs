@@ -16,6 +16,7 @@ pub mod form;
 pub mod geometry;
 mod lanes;
 mod limits;
+pub mod mesh;
 pub mod picture;
 mod quick_hash;
 pub mod texture;

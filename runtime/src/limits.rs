@@ -29,6 +29,10 @@ pub struct Limits {
     pub intervals: u32,
     /// Primitives of an exported scene; places where there is nothing count, too.
     pub primitives: u64,
+    /// Triangles of a mesh.
+    pub triangles: u64,
+    /// Places where parts of a mesh are laid down; where there would be more, they are larger.
+    pub mesh_nodes: u64,
     /// Bytes for states and cells that are kept. It affects the time, never the picture.
     pub cell_bytes: u64,
 }
@@ -49,6 +53,8 @@ impl Default for Limits {
             steps: 100_000_000,
             intervals: 4096,
             primitives: 10_000_000,
+            triangles: 4_000_000,
+            mesh_nodes: 65_536,
             cell_bytes: 256 << 20,
         }
     }

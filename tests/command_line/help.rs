@@ -68,6 +68,9 @@ fn a_wrong_command_line_says_what_would_be_right() {
         &["inspect", "a.tg", "--form", "circles"],
         &["inspect", "a.tg", "--form", "segments", "--until", "-1"],
         &["a.tg", "--until", "1.5"],
+        &["a.tg", "-o", "a.glb", "--surface", "rough"],
+        &["a.tg", "-o", "a.glb", "--triangles", "0"],
+        &["a.tg", "-o", "a.glb", "--size", "9x9"],
         &["--samples", "1", "inspect", "a.tg", "--expand"],
     ];
     let mut said = String::new();

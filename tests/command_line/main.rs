@@ -9,6 +9,7 @@ mod help;
 mod inspect;
 mod interrupts;
 mod measure;
+mod mesh;
 mod output;
 mod same_bytes;
 mod support;

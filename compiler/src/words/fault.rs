@@ -1,12 +1,14 @@
 //! What fails while a program runs: `E10`, with the rules and values that led there.
 
 use treegen_grammar::{FileId, Span};
+use treegen_runtime::export::Boolean;
 use treegen_runtime::form::{Origin, TransformKind, Value};
+use treegen_runtime::mesh::{LeftOut, WhatLeftOut};
 use treegen_runtime::{Fault, FaultKind, Limit, TrailStep};
 
 use super::constants::{number, value};
 use super::one_of;
-use crate::problem::{Problem, Severity};
+use crate::problem::{Label, Problem, Severity};
 use crate::vocabulary::Vocabulary;
 
 /// How many steps of a trail are shown at each end.
@@ -43,6 +45,31 @@ pub(crate) fn problem(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     match trail(fault, vocabulary) {
         Some(trail) => problem.note(trail),
         None => problem,
+    }
+}
+
+/// Something that a mesh leaves out, in words.
+pub(crate) fn left_out(left_out: &LeftOut) -> Problem {
+    let (name, label, help) = match &left_out.what {
+        WhatLeftOut::Primitive(kind) => (kind.name(), "it does not end", "a mesh holds what ends"),
+        WhatLeftOut::Boolean(Boolean::Intersection) => ("&", "a part of it", "a mesh holds no Booleans yet"),
+        WhatLeftOut::Boolean(Boolean::Difference) => ("\\", "a part of it", "a mesh holds no Booleans yet"),
+        WhatLeftOut::Endless(name) => {
+            (name.as_str(), "it comes back to itself", "give it an end, such as an order that is not `inf`")
+        }
+    };
+    let message = format!("`{name}` has no mesh and is left out");
+    let place = match span(left_out.origin) {
+        Some(span) => vec![Label { span, text: label.to_owned() }],
+        None => Vec::new(),
+    };
+    Problem {
+        severity: Severity::Warning,
+        code: "W0006",
+        message,
+        labels: place,
+        notes: vec![help.to_owned()],
+        suggestions: Vec::new(),
     }
 }
 
@@ -130,6 +157,7 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             format!("`{}` has no inside, so nothing can be cut with it", kind.name()),
             "a surface, not a solid".to_owned(),
         ),
+        FaultKind::NoMesh => ("E1016", "nothing that is shown has a mesh".to_owned(), "here".to_owned()),
         FaultKind::Limit { limit, most } => {
             (limit_code(*limit), format!("{} of {most}", limit_words(*limit)), "met here".to_owned())
         }
@@ -184,6 +212,7 @@ fn limit_code(limit: Limit) -> &'static str {
         Limit::Segments => "E0924",
         Limit::Strides => "E0925",
         Limit::Primitives => "E0921",
+        Limit::Triangles => "E0926",
     }
 }
 
@@ -203,6 +232,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Segments => "a derivation lays more segments than the limit",
         Limit::Strides => "a derivation takes more steps than the limit",
         Limit::Primitives => "the scene has more primitives than the limit",
+        Limit::Triangles => "the mesh has more triangles than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
     }
 }

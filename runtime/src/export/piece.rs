@@ -24,7 +24,7 @@ pub enum Piece {
 }
 
 /// How a Boolean combines its operands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Boolean {
     /// What lies in all of them.
     Intersection,

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 ///
 /// By Jacobi's rotations (Golub and Van Loan, Matrix Computations, section 8.5): each makes one element off the diagonal 0. A
 /// diagonal matrix comes back as it is, to the bit.
-pub(super) fn eigen(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
+pub(crate) fn eigen(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
     let mut m = matrix;
     let mut vectors = DMat3::IDENTITY;
     // It converges quadratically: six sweeps are more than f64 needs, and the rest do nothing.

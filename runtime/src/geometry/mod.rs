@@ -21,6 +21,7 @@ mod torus;
 pub use aabb::Aabb;
 pub use chord::{Chord, Chords, Crossing};
 pub(crate) use convex::{Convex, FACE, Lines, Side};
+pub(crate) use eigen::eigen;
 pub use intervals::{End, Interval, Intervals};
 pub use joint::{Joint, Joints, Part};
 pub use primitive::Primitive;

@@ -86,6 +86,26 @@ impl Primitive {
         if let Shape::Segment(cone) = &self.shape { Some(cone.texture(point, wrap)) } else { None }
     }
 
+    /// The end below (0) or above (1) of a segment's straight line in a direction from the axis, of length 1, and the normal along
+    /// that line; `None` for what is no segment.
+    pub(crate) fn line_end(&self, end: usize, outwards: DVec2) -> Option<(DVec3, DVec3)> {
+        if let Shape::Segment(cone) = &self.shape { Some(cone.line_end(end, outwards)) } else { None }
+    }
+
+    /// How far a point is from the rim below of a segment: infinitely far for what is none.
+    pub(crate) fn off_rim_below(&self, point: DVec3) -> f64 {
+        if let Shape::Segment(cone) = &self.shape { cone.off_rim_below(point) } else { f64::INFINITY }
+    }
+
+    /// The two radii of a cone or a torus, 1 and 1 for what has none.
+    pub(crate) fn radii(&self) -> [f64; 2] {
+        match self.shape {
+            Shape::Cone { r0, r1 } => [r0, r1],
+            Shape::Torus { r } => [1.0, r],
+            _ => [1.0; 2],
+        }
+    }
+
     /// The primitive that this convex one is.
     pub(super) fn of_convex(convex: &Convex) -> Self {
         let shape = match *convex {

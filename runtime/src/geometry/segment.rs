@@ -75,6 +75,19 @@ impl CutCone {
         [self.rim(0.0, DVec2::new(self.lean, 0.0)), self.rim(self.top, self.rise)]
     }
 
+    /// The end below (0) or above (1) of the nappe's line in a direction from the axis, of length 1, and the normal along that line.
+    pub(super) fn line_end(&self, end: usize, outwards: DVec2) -> (DVec3, DVec3) {
+        let (height, rise) = if end == 0 { (0.0, DVec2::new(self.lean, 0.0)) } else { (self.top, self.rise) };
+        let z = self.crossing(height, rise, outwards);
+        (outwards.extend(0.0) * self.radius_at(z) + DVec3::Z * z, unit(outwards.extend(-self.slope)))
+    }
+
+    /// How far a point is from the rim below, at most, measured along the axis and across it.
+    pub(super) fn off_rim_below(&self, point: DVec3) -> f64 {
+        let (across, height) = (point.truncate().length() - self.radius_at(point.z), point.z - self.lean * point.x);
+        across.abs().max(height.abs())
+    }
+
     /// How high the nappe's line in the direction `outwards` from the axis crosses the plane `z = height + rise · (x, y)`.
     fn crossing(&self, height: f64, rise: DVec2, outwards: DVec2) -> f64 {
         let rise = rise.dot(outwards);

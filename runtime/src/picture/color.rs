@@ -14,7 +14,7 @@ static RISES: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..255).map(|i| decoded((f64::from(i) + 0.5) / 255.0) as f32).collect());
 
 /// The linear value of an sRGB colour; what lies outside 0..1 is clamped. Its error is below 1e-7.
-pub(super) fn linear(srgb: DVec3) -> DVec3 {
+pub(crate) fn linear(srgb: DVec3) -> DVec3 {
     let table = LINEAR.as_slice();
     let one = |value: f64| {
         let scaled = within(value, 1.0) * STEPS as f64;
@@ -36,7 +36,7 @@ pub(super) fn srgb_byte(linear: f32) -> u8 {
 }
 
 /// The byte nearest to a part of 1 that is not a colour.
-pub(super) fn plain_byte(part: f32) -> u8 {
+pub(crate) fn plain_byte(part: f32) -> u8 {
     (part * 255.0 + 0.5) as u8
 }
 

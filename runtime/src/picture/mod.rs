@@ -7,7 +7,7 @@
 //! nothing.
 
 pub(crate) mod camera;
-mod color;
+pub(crate) mod color;
 mod exr_header;
 mod framing;
 mod heat;

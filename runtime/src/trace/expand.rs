@@ -13,7 +13,7 @@ use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
 use crate::fault::{Fault, FaultKind, TrailStep};
 use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, Slot, SystemId, Value};
-use crate::geometry::Primitive;
+use crate::geometry::{Part, Primitive};
 use crate::limits::Limits;
 
 /// Where a derivation stands: two states that are equal stand for the same solid.
@@ -100,6 +100,9 @@ pub(super) enum Fixed {
     Primitive(Primitive),
 }
 
+/// Takes the parts of a stem, in order, in the frame of the group.
+pub(crate) type StemTaker<'t> = dyn FnMut(&[Part]) -> Result<(), Fault> + 't;
+
 /// Expands the states of a scene.
 #[derive(Debug)]
 pub struct Expander<'s> {
@@ -149,8 +152,25 @@ impl<'s> Expander<'s> {
         self.expand_with(&mut self.machine(), state)
     }
 
+    /// The same without stems: those are handed on whole.
+    ///
+    /// # Errors
+    /// As [`Expander::expand`], or whatever the taker of stems says.
+    pub(crate) fn expand_but_stems(&self, state: &State, stems: &mut StemTaker<'_>) -> Result<Group, Fault> {
+        self.expand_to(&mut self.machine(), state, Some(stems))
+    }
+
     /// The same on a machine that is there already.
     pub(super) fn expand_with(&self, machine: &mut Machine<'s>, state: &State) -> Result<Group, Fault> {
+        self.expand_to(machine, state, None)
+    }
+
+    fn expand_to(
+        &self,
+        machine: &mut Machine<'s>,
+        state: &State,
+        stems: Option<&mut StemTaker<'_>>,
+    ) -> Result<Group, Fault> {
         let mut env = self.env(state);
         let mut group = Group::default();
         let (body, route) = match state.entry {
@@ -161,7 +181,7 @@ impl<'s> Expander<'s> {
                 (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
             }
         };
-        Walk::new(self, machine, env).add(&mut group, body, Here::at(route))?;
+        Walk::new(self, machine, env, stems).add(&mut group, body, Here::at(route))?;
         Ok(group)
     }
 
@@ -179,7 +199,7 @@ impl<'s> Expander<'s> {
             return Ok(None);
         };
         let mut group = Group::default();
-        Walk::new(self, machine, self.env(state)).add(&mut group, proxy, Here::at(Route::START))?;
+        Walk::new(self, machine, self.env(state), None).add(&mut group, proxy, Here::at(Route::START))?;
         Ok(Some(group))
     }
 

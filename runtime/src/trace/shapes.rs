@@ -6,7 +6,7 @@ use super::Route;
 use crate::derive::{Deriver, Placed, Step, Watcher};
 use crate::eval::Env;
 use crate::fault::Fault;
-use crate::form::{Graph, Shape, ShapeId, Value};
+use crate::form::{Graph, Shape, ShapeId, Stem, Value};
 use crate::geometry::{Joints, Part};
 use crate::limits::Limits;
 
@@ -17,6 +17,22 @@ pub(crate) trait Taker {
 
     /// A part of a stem; the route tells stems apart.
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault>;
+
+    /// A stem whose segments were fitted to each other. Who does not care for whole stems takes its parts.
+    fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
+        each_part(self, stem, joints)
+    }
+}
+
+/// Hands on the parts of a stem one by one.
+pub(super) fn each_part<T: Taker + ?Sized>(taker: &mut T, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
+    let mut result = Ok(());
+    joints.parts(stem, |part| {
+        if result.is_ok() {
+            result = taker.part(part, Route::step(stem.route));
+        }
+    });
+    result
 }
 
 /// Derives a shape, and hands on its parts: first the solids that were placed, then the stems.
@@ -32,13 +48,7 @@ pub(crate) fn parts(
     let mut joints = Joints::default();
     for stem in list.stems() {
         joints.fit(list.segments(stem));
-        let mut result = Ok(());
-        joints.parts(stem, |part| {
-            if result.is_ok() {
-                result = taker.part(part, Route::step(stem.route));
-            }
-        });
-        result?;
+        taker.stem(stem, &joints)?;
     }
     Ok(())
 }

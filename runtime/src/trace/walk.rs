@@ -2,14 +2,14 @@
 
 use glam::DAffine3;
 
-use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State};
+use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State, StemTaker};
 use super::route::Route;
 use super::shapes;
 use crate::derive::Placed;
 use crate::eval::{Env, Machine};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, ShapeId, Slot, Value};
-use crate::geometry::{Part, Primitive};
+use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, ShapeId, Slot, Stem, Value};
+use crate::geometry::{Joints, Part, Primitive};
 
 // What tells the kinds of steps of a route apart.
 pub(crate) const CHOICE: u64 = 0x1000_0000_0000_0000;
@@ -38,7 +38,7 @@ impl Here {
 }
 
 /// A walk through the nodes of one state.
-pub(super) struct Walk<'e, 's> {
+pub(super) struct Walk<'e, 't, 's> {
     expander: &'e Expander<'s>,
     machine: &'e mut Machine<'s>,
     /// What expressions see where the walk is.
@@ -49,12 +49,19 @@ pub(super) struct Walk<'e, 's> {
     left: u32,
     /// How many more copies it may look into, even if there is nothing in them.
     copies: u32,
+    /// Who takes stems, if they are not to become parts like all others.
+    stems: Option<&'e mut StemTaker<'t>>,
 }
 
-impl<'e, 's> Walk<'e, 's> {
-    pub(super) fn new(expander: &'e Expander<'s>, machine: &'e mut Machine<'s>, env: Env) -> Self {
+impl<'e, 't, 's> Walk<'e, 't, 's> {
+    pub(super) fn new(
+        expander: &'e Expander<'s>,
+        machine: &'e mut Machine<'s>,
+        env: Env,
+        stems: Option<&'e mut StemTaker<'t>>,
+    ) -> Self {
         let (left, copies) = (expander.limits.items, expander.limits.repeat);
-        Self { expander, machine, env, journal: Vec::new(), left, copies }
+        Self { expander, machine, env, journal: Vec::new(), left, copies, stems }
     }
 
     /// Adds what a node stands for to a group. The environment is afterwards what it was before.
@@ -229,13 +236,13 @@ impl<'e, 's> Walk<'e, 's> {
 }
 
 /// Takes the parts of a shape into a group.
-struct InGroup<'w, 'e, 's> {
-    walk: &'w mut Walk<'e, 's>,
+struct InGroup<'w, 'e, 't, 's> {
+    walk: &'w mut Walk<'e, 't, 's>,
     group: &'w mut Group,
     here: &'w Here,
 }
 
-impl InGroup<'_, '_, '_> {
+impl InGroup<'_, '_, '_, '_> {
     /// Where the paint of a part stands, if its look depends on that: one that a walk gives stands where the plant does.
     fn group_from_paint(&self, own: Option<MaterialId>) -> Option<DAffine3> {
         let Some(own) = own else {
@@ -245,7 +252,7 @@ impl InGroup<'_, '_, '_> {
     }
 }
 
-impl shapes::Taker for InGroup<'_, '_, '_> {
+impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
         let (system_from_frame, route) = shapes::way(&placed);
         let inner = Here {
@@ -270,5 +277,16 @@ impl shapes::Taker for InGroup<'_, '_, '_> {
             solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
         });
         Ok(())
+    }
+
+    fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
+        let mut parts = Vec::new();
+        let Some(take) = self.walk.stems.as_deref_mut() else { return shapes::each_part(self, stem, joints) };
+        joints.parts(stem, |mut part| {
+            part.stem_from_part = self.here.group_from_here * part.stem_from_part;
+            part.material = part.material.or(self.here.material);
+            parts.push(part);
+        });
+        take(&parts)
     }
 }

@@ -94,7 +94,7 @@ fn text(measured: &Measured) -> String {
             if let Some((seeds, spread)) = &measured.spread {
                 let last = measured.seed.wrapping_add(u64::from(*seeds) - 1);
                 let Spread { mean, least, most } = spread;
-                line("", &format!("{} on average over the seeds {} to {last}", rounded(*mean), measured.seed));
+                line("", &format!("{} on average over the seeds {} to {last}", Number::near(*mean), measured.seed));
                 line("", &format!("from {} with seed {} to {} with seed {}", least.0, least.1, most.0, most.1));
             }
             line("modules", &census.modules.to_string());
@@ -115,11 +115,6 @@ fn text(measured: &Measured) -> String {
         line("bounds", &format!("{} to {}", corner(min.to_array()), corner(max.to_array())));
     }
     text
-}
-
-/// A mean, to the precision that it has.
-fn rounded(mean: f64) -> String {
-    if mean < 1e15 { Number::Exact(mean.round() as u128).to_string() } else { Number::About(mean.log10()).to_string() }
 }
 
 /// A length in as few digits as show its first seven.

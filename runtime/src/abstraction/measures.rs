@@ -84,7 +84,11 @@ impl Measures {
     /// Marks the slots in which a code stores measures.
     fn store(&mut self, system: usize, code: &Code) -> bool {
         let (_, stored) = self.marks(Some(system), code);
-        stored.into_iter().fold(false, |changed, it| self.mark(system, it) || changed)
+        let mut changed = false;
+        for slot in stored {
+            changed |= self.mark(system, slot);
+        }
+        changed
     }
 
     fn results(&self, system: usize, code: &Code) -> Vec<bool> {

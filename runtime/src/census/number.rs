@@ -17,6 +17,11 @@ impl Number {
     /// None.
     pub const NONE: Self = Self::Exact(0);
 
+    /// The whole number nearest to a mean; of a large one as many digits as it has.
+    pub fn near(mean: f64) -> Self {
+        if mean < 1e15 { Self::Exact(mean.round() as u128) } else { Self::About(libm::log10(mean)) }
+    }
+
     /// The sum.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
@@ -94,9 +99,9 @@ mod tests {
         assert_eq!(power(4, 40), Number::Exact(1 << 80));
         assert_eq!(power(4, 63), Number::Exact(1 << 126));
         let beyond = power(4, 1000);
-        assert!((beyond.log10() - 1000.0 * 4.0_f64.log10()).abs() < 1e-9, "{beyond:?}");
+        assert!((beyond.log10() - 1000.0 * libm::log10(4.0)).abs() < 1e-9, "{beyond:?}");
         let twice = beyond.plus(beyond);
-        assert!((twice.log10() - beyond.log10() - 2.0_f64.log10()).abs() < 1e-9);
+        assert!((twice.log10() - beyond.log10() - libm::log10(2.0)).abs() < 1e-9);
         assert_eq!(beyond.plus(Number::Exact(1)), beyond);
         assert_eq!(Number::Endless.times(0), Number::NONE);
     }

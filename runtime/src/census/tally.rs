@@ -29,6 +29,9 @@ pub(super) struct Tally {
     pub(super) depth: Option<u32>,
 }
 
+/// How many parts a step lays down, and the module or system that does.
+pub(super) type Step = (u32, String);
+
 /// What is known of a state.
 #[derive(Clone, Copy, Debug)]
 enum Known {
@@ -62,7 +65,7 @@ pub(super) struct Counter<'e, 's> {
     /// States that are done themselves but may lead back to one that is not.
     open: Vec<(State, u32)>,
     met: u32,
-    largest: (u32, String),
+    largest: Step,
 }
 
 impl<'e, 's> Counter<'e, 's> {
@@ -83,7 +86,7 @@ impl<'e, 's> Counter<'e, 's> {
     ///
     /// # Errors
     /// A fault on the way, with the modules that led there; an interrupt.
-    pub(super) fn run(mut self, root: State) -> Result<Option<(Tally, (u32, String))>, Fault> {
+    pub(super) fn run(mut self, root: State) -> Result<Option<(Tally, Step)>, Fault> {
         self.enter(root)?;
         let mut last = None;
         while let Some(frame) = self.frames.last_mut() {

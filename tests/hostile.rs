@@ -311,6 +311,43 @@ fn one_foreign_character_is_one_mistake() {
 }
 
 #[test]
+fn what_is_large_costs_what_is_seen_of_it() {
+    // Forty modules that each lay down the next twice: 2^40 balls, and 42 states.
+    let doubling: String = (0..40)
+        .map(|it| format!("A{it} -> move(.5,0,0) uscale(.5) A{} | move(-.5,0,.1) uscale(.5) A{};\n", it + 1, it + 1))
+        .collect();
+    assert_outcomes(&[
+        (&format!("csg S {{ start A0; {doubling} A40 -> sphere; }}"), "fine"),
+        // Without an end, and no two branches alike.
+        (
+            "csg S { start T; T -> sphere | move(1.5,0,0) rotz(random(0,90)) uscale(.5) T
+                | move(-1.5,0,0) rotx(random(0,90)) uscale(.5) T; }",
+            "fine",
+        ),
+        // Every state has a number of its own.
+        (
+            "csg S { start T(9, 1); T(n, x) if n == 0 -> scale(1, 1, 1 + x % 2) sphere;
+                T(n, x) -> move(.5,0,0) uscale(.5) T(n - 1, 2*x) | move(-.5,0,.1) uscale(.5) T(n - 1, 2*x + 1); }",
+            "fine",
+        ),
+        (
+            "csg S { start repeat 20000 as i { move(i % 173, floor(i / 173), 0) variant(1000000) T };
+                T -> uscale(random(.3,.5)) sphere; }",
+            "fine",
+        ),
+        // Two thousand balls on each ray, and a hundred differences inside one another.
+        ("csg S { start repeat 2000 as i { move(i * 1e-4, 0, 0) sphere }; }", "fine"),
+        ("csg S { start T(100); T(n) if n == 0 -> sphere; T(n) -> uscale(1.001) box \\ T(n - 1); }", "fine"),
+        // Mirrors that face each other.
+        (
+            "material M { mirror: 1 } scene { camera { eye: (0,0,0), target: (0,1,0) }
+                show paint(M) (halfspace(0,1,0,-2) | halfspace(0,-1,0,-2)); }",
+            "fine",
+        ),
+    ]);
+}
+
+#[test]
 fn hard_cases_of_geometry_look_as_they_do_by_the_book() {
     let view = |show: &str, eye: &str| {
         format!("scene {{ camera {{ eye: {eye}, target: (.1,.2,.3), fov: 50 }} show {show}; }}")

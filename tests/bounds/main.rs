@@ -126,6 +126,41 @@ fn no_point_of_a_fractal_terrain_is_outside_its_bounds() {
     assert!(seen.points > 20_000 && seen.exact > 2_000, "{seen:?}");
 }
 
+/// The loose box of a scene is at least this and at most a little more.
+fn assert_box(text: &str, min: [f64; 3], max: [f64; 3]) {
+    let (scene, limits) = (scene(text, &[]), Limits::default());
+    let boxes = Boxes::new(&scene, &limits).unwrap();
+    let found = boxes.loose(&boxes.root()).unwrap();
+    for (found, expected) in [(found.min, DVec3::from(min)), (found.max, DVec3::from(max))] {
+        assert!((found - expected).abs().max_element() < 1e-9, "{found} for {expected}: {text}");
+    }
+}
+
+#[test]
+fn corners_that_are_drawn_lie_where_they_may_be_drawn() {
+    // By the ranges of its matrix alone the first one would reach to (6, 6, 6), and the others as far too high.
+    assert_box(
+        "csg S { start T((random(0, 1), random(0, 1), random(2, 3)), (random(4, 5), 0, 0), (0, random(4, 5), 0));
+            T(a, b, c) -> matrix(b.x - a.x, c.x - a.x, 0, a.x,
+                                 b.y - a.y, c.y - a.y, 0, a.y,
+                                 b.z - a.z, c.z - a.z, 1, a.z) triangle; }",
+        [0.0, 0.0, 0.0],
+        [5.0, 5.0, 3.0],
+    );
+    assert_box(
+        "csg S { start move(0, 0, 10) T(random(0, 1), random(2, 3), random(5, 6));
+            T(p, q, r) -> move(0, 0, p) zshear(q - p, r - p) scale(1, 1, 2) triangle; }",
+        [0.0, 0.0, 10.0],
+        [1.0, 1.0, 16.0],
+    );
+    // A slot that was assigned in between is another one: what stands in `p` there does not cancel.
+    assert_box(
+        "csg S { var p = 0; start {p = random(0, 1)} move(0, 0, p) {p = random(5, 6)} zshear(-p, 0) triangle; }",
+        [0.0, 0.0, -6.0],
+        [1.0, 1.0, 1.0],
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -118,3 +118,21 @@ fn a_derivation_that_is_stopped_shows_what_is_there() {
         assert!((heights(rules) - height).abs() < 1e-3, "{rules}: {}", heights(rules));
     }
 }
+
+#[test]
+fn more_plants_than_are_bounded_together_have_a_box_all_the_same() {
+    // Each has a height of its own, so none stands for another.
+    let bounds = |count: u32| {
+        let text = format!(
+            "shape Stalk {{ start segment(random(1, 2), .1, .1); }}
+             csg Field {{ start repeat {count} as i {{ move(i, 0, 0) Stalk() }}; }} scene {{ show Field(); show halfspace(0, 0, 1, -1); }}"
+        );
+        let scene = scene(&text);
+        CellTracer::new(&scene, &Limits::default(), Culling::State).unwrap().finite_bounds().unwrap()
+    };
+    for count in [3, 300] {
+        let bounds = bounds(count);
+        assert!((bounds.max.x - f64::from(count - 1)).abs() < 0.2, "{bounds:?}");
+        assert!(bounds.min.z.abs() < 0.1 && (1.0..2.1).contains(&bounds.max.z), "{bounds:?}");
+    }
+}

@@ -10,6 +10,7 @@ mod states;
 mod tally;
 
 pub use number::Number;
+pub use states::count_states;
 
 use crate::abstraction::skeleton;
 use crate::fault::Fault;
@@ -17,7 +18,6 @@ use crate::form::Scene;
 use crate::limits::Limits;
 use crate::picture::Watch;
 use crate::trace::Expander;
-use states::states;
 use tally::{Counter, Tally};
 
 /// What a scene comes to with one seed.
@@ -90,14 +90,6 @@ pub fn over_seeds(scene: &Scene, seeds: u32, limits: &Limits, watch: &dyn Watch)
         ]);
     }
     Ok(range.map(|[least, most]| Spread { mean: sum / f64::from(seeds), least, most }))
-}
-
-/// How many states a scene has: each is expanded once, however often it is laid down. `None`: more than `most`.
-///
-/// # Errors
-/// A fault on the way, or an interrupt.
-pub fn count_states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Watch) -> Result<Option<usize>, Fault> {
-    states(scene, most, limits, watch)
 }
 
 /// The scene with the skeleton of its graph.

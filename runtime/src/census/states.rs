@@ -9,8 +9,11 @@ use crate::picture::Watch;
 use crate::quick_hash::BuildQuickHash;
 use crate::trace::{Expander, Group, Solid, State};
 
-/// How many states a scene has; none if they are more than `most`.
-pub(super) fn states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Watch) -> Result<Option<usize>, Fault> {
+/// How many states a scene has: each is expanded once, however often it is laid down. `None`: more than `most`.
+///
+/// # Errors
+/// A fault on the way, or an interrupt.
+pub fn count_states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Watch) -> Result<Option<usize>, Fault> {
     let expander = Expander::new(scene, limits);
     let mut seen: HashSet<State, BuildQuickHash> = HashSet::default();
     let mut ahead = vec![expander.root()?];

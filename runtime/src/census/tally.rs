@@ -4,7 +4,6 @@
 //! such a circle lays down has no end.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry as Place;
 
 use super::Number;
 use super::states::called;
@@ -150,8 +149,8 @@ impl<'e, 's> Counter<'e, 's> {
             }
             if state.path.is_some() && self.known.len() > MOST_KEPT {
                 self.known.remove(&state);
-            } else if let Place::Occupied(mut place) = self.known.entry(state) {
-                place.insert(Known::Done(tally));
+            } else {
+                self.known.insert(state, Known::Done(tally));
             }
         } else {
             self.open.push((state, number));

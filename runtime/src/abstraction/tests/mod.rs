@@ -1,4 +1,5 @@
 //! Tests of the analysis: against concrete evaluation, and against points of what is really there.
 
+mod measures;
 mod operations;
 mod steps;

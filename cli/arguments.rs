@@ -38,6 +38,7 @@ Examples:
   treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
   treegen measure sierpinski.tg                      how many primitives it has, how deep, how large
   treegen inspect elm.tg --derivation                the rules that made a plant, one inside the other
+  treegen explain E0301                              more about a message
 
 Exit codes:
   0  done: the picture is written whole
@@ -73,7 +74,7 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE\n       treegen explain [CODE]";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
@@ -84,6 +85,16 @@ pub enum Command {
     Inspect(Inspect),
     /// Say what a program comes to, without expanding it: how many primitives, how deep, how large
     Measure(Measure),
+    /// Tell more about a message by its code, with an example and the way out
+    Explain(Explain),
+}
+
+/// `treegen explain E0301`.
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// The code that the message has; without one, all codes are listed
+    #[arg(value_name = "CODE")]
+    pub code: Option<String>,
 }
 
 /// `treegen check FILE`.
@@ -274,6 +285,7 @@ fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
 /// Of two values for one name, one would be lost without a word.
 fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     let program = match &cli.command {
+        Some(Command::Explain(_)) => return Ok(()),
         Some(Command::Check(check)) => &check.program,
         Some(Command::Inspect(inspect)) => &inspect.program,
         Some(Command::Measure(measure)) => &measure.program,

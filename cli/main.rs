@@ -8,6 +8,7 @@ mod check;
 mod compile;
 mod console;
 mod exit;
+mod explain;
 mod files;
 mod inspect;
 mod inspect_derivation;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
+        Some(Command::Explain(arguments)) => explain::explain(&arguments),
         Some(Command::Measure(arguments)) => measure::measure(arguments, console),
         None => match mesh::Format::of(&cli.render.output()) {
             Some(format) => mesh::export(cli.render, format, console),

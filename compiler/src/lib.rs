@@ -8,6 +8,7 @@
 mod builtin;
 mod check;
 mod constant;
+mod explain;
 mod fields;
 mod graph;
 mod load;
@@ -24,6 +25,7 @@ mod sources;
 mod vocabulary;
 mod words;
 
+pub use explain::{Page, explain, pages};
 pub use loader::{LoadError, Loaded, Loader, NoFiles};
 pub use problem::{Edit, Label, Problem, Safety, Severity, Suggestion};
 pub use settings::Setting;
@@ -107,7 +109,8 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     };
     let is_known = |span: Span| {
         let inside = |it: Span| it.file == span.file && span.start <= it.start && it.end <= span.end;
-        compiled.problems.iter().any(|it| matches!(it.code, "W0002" | "W0003") && it.span().is_some_and(inside))
+        let known = compiled.problems.iter().filter(|it| matches!(it.code, "W0002" | "W0003"));
+        known.flat_map(|it| &it.labels).any(|it| inside(it.span))
     };
     let mut problems = Vec::new();
     for rule in treegen_runtime::idle_rules(scene) {

@@ -138,7 +138,7 @@ fn value(setting: &Setting, sources: &mut Sources, problems: &mut Vec<Problem>) 
     let text = sources.get(file).map_or("", |it| it.text.as_str());
     let mut parsed = parse(file, text);
     if let Some(error) = parsed.errors.first() {
-        problems.push(words::syntax::problem(error));
+        problems.push(Problem { code: "E0802", ..words::syntax::problem(error) });
         return None;
     }
     match (parsed.file.items.pop().map(|it| it.kind), parsed.file.items.is_empty()) {
@@ -157,7 +157,10 @@ fn last(name: &str) -> &str {
 /// Makes problems with the text of a setting problems about settings.
 pub(crate) fn mark(problems: &mut [Problem], units: usize) {
     for problem in problems {
-        if problem.is_error() && problem.span().is_some_and(|it| it.file.0 as usize >= units) {
+        if problem.is_error()
+            && !problem.is_about_settings()
+            && problem.span().is_some_and(|it| it.file.0 as usize >= units)
+        {
             problem.code = "E0803";
         }
     }

@@ -12,13 +12,13 @@ use crate::words;
 /// Looks at all modules.
 pub(super) fn check(program: &Program, problems: &mut Vec<Problem>) {
     for module in &program.modules {
-        if program.def(module.def).broken {
+        if program.def(module.def).broken || program.def(program.systems[module.system.index()].def).broken {
             continue;
         }
         unreachable(module, problems);
-        for guard in module.rules.iter().filter_map(|it| it.guard.as_ref()) {
-            if matches!(guard.kind, ExprKind::Bool(false)) {
-                problems.push(words::warnings::guard_never_holds(guard.span));
+        for rule in &module.rules {
+            if let Some(guard) = rule.guard.as_ref().filter(|it| matches!(it.kind, ExprKind::Bool(false))) {
+                problems.push(words::warnings::guard_never_holds(guard.span, rule.span));
             }
         }
     }

@@ -115,6 +115,11 @@ impl Resolver<'_> {
             self.report(scope, words::systems::module_outside_walk(&name.text, span));
             return SolidKind::Error;
         }
+        if self.uneven.contains(&module) {
+            self.waste(scope, args);
+            self.break_def(scope.def);
+            return SolidKind::Error;
+        }
         let params: Vec<String> = slots.iter().map(|it| self.program.slot_name(system, *it).to_owned()).collect();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];

@@ -24,7 +24,7 @@ use treegen_grammar::{FileId, Span};
 
 use crate::load::Unit;
 use crate::problem::Problem;
-use crate::program::{Def, DefId, DefKind, Program, SlotId, SystemId};
+use crate::program::{Def, DefId, DefKind, ModuleId, Program, SlotId, SystemId};
 use crate::settings::Override;
 use crate::sources::Sources;
 use names::Names;
@@ -61,6 +61,7 @@ pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program
         unknown: BTreeSet::new(),
         slots_full: false,
         has_default: HashSet::new(),
+        uneven: HashSet::new(),
     };
     for number in 0..units.len() {
         resolver.declare_file(FileId(number as u32));
@@ -90,6 +91,8 @@ struct Resolver<'a> {
     slots_full: bool,
     /// The formals that a call need not give.
     has_default: HashSet<DefId>,
+    /// The modules whose rules do not agree in how many parameters they have: no call of one is wrong for that.
+    uneven: HashSet<ModuleId>,
 }
 
 impl Resolver<'_> {

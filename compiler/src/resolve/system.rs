@@ -95,7 +95,7 @@ impl<'o> Resolver<'o> {
         let Some(def) = def else { return };
         let DefKind::System(id) = self.program.def(def).kind else { return };
         self.check_hiding(file, id);
-        self.check_heads(system);
+        self.check_heads(id, system);
         let names: HashMap<Span, DefId> =
             self.systems[id.index()].iter().map(|it| (self.program.def(it.1.def).span, it.1.def)).collect();
         let mut formals = 0;
@@ -372,7 +372,7 @@ impl<'o> Resolver<'o> {
     }
 
     /// Looks whether the heads of a system's rules agree.
-    fn check_heads(&mut self, system: &ast::System) {
+    fn check_heads(&mut self, id: SystemId, system: &ast::System) {
         let mut heads: HashMap<&str, &ast::Rule> = HashMap::new();
         let mut problems = Vec::new();
         let groups = system.members.iter().flat_map(|it| match &it.kind {
@@ -385,6 +385,11 @@ impl<'o> Resolver<'o> {
             if first.params.len() != rule.params.len() {
                 let (here, there) = (rule.params.len(), first.params.len());
                 let (span, first) = (head_span(rule), head_span(first));
+                if let Some(Meaning::Module(module)) =
+                    self.systems[id.index()].get(&rule.module.text).map(|it| it.meaning)
+                {
+                    self.uneven.insert(module);
+                }
                 problems.push(words::systems::heads_differ(&rule.module.text, span, here, first, there));
             }
         }

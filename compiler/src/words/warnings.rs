@@ -29,8 +29,8 @@ pub(crate) fn idle_rule(module: &str, span: Span) -> Problem {
 }
 
 /// A guard that never holds.
-pub(crate) fn guard_never_holds(span: Span) -> Problem {
-    Problem::warning("W0003", "this guard never holds", span, "always false")
+pub(crate) fn guard_never_holds(span: Span, rule: Span) -> Problem {
+    Problem::warning("W0003", "this guard never holds", span, "always false").and(rule, "so this rule never applies")
 }
 
 /// A name that hides a built-in one.

@@ -38,6 +38,7 @@ Examples:
   treegen inspect sierpinski.tg --expand             its primitives, one a line, for other programs
   treegen measure sierpinski.tg                      how many primitives it has, how deep, how large
   treegen inspect elm.tg --derivation                the rules that made a plant, one inside the other
+  treegen fmt *.tg                                   lay programs out well
   treegen explain E0301                              more about a message
 
 Exit codes:
@@ -74,7 +75,7 @@ pub struct Cli {
     pub color: Color,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE\n       treegen explain [CODE]";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE\n       treegen fmt [--check] FILE...\n       treegen explain [CODE]";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
@@ -85,8 +86,21 @@ pub enum Command {
     Inspect(Inspect),
     /// Say what a program comes to, without expanding it: how many primitives, how deep, how large
     Measure(Measure),
+    /// Format programs
+    Fmt(Fmt),
     /// Tell more about a message by its code, with an example and the way out
     Explain(Explain),
+}
+
+/// `treegen fmt FILE...`.
+#[derive(Debug, Args)]
+pub struct Fmt {
+    /// The programs, which are changed where they lie; `-` formats standard input to standard output
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Change nothing, and end with exit code 1 if a file is not formatted
+    #[arg(long, help_heading = "What")]
+    pub check: bool,
 }
 
 /// `treegen explain E0301`.
@@ -285,7 +299,7 @@ fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
 /// Of two values for one name, one would be lost without a word.
 fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     let program = match &cli.command {
-        Some(Command::Explain(_)) => return Ok(()),
+        Some(Command::Explain(_) | Command::Fmt(_)) => return Ok(()),
         Some(Command::Check(check)) => &check.program,
         Some(Command::Inspect(inspect)) => &inspect.program,
         Some(Command::Measure(measure)) => &measure.program,

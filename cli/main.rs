@@ -10,6 +10,7 @@ mod console;
 mod exit;
 mod explain;
 mod files;
+mod fmt;
 mod inspect;
 mod inspect_derivation;
 mod inspect_expand;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
+        Some(Command::Fmt(arguments)) => fmt::fmt(arguments, console),
         Some(Command::Measure(arguments)) => measure::measure(arguments, console),
         None => match mesh::Format::of(&cli.render.output()) {
             Some(format) => mesh::export(cli.render, format, console),

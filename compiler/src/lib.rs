@@ -10,6 +10,7 @@ mod check;
 mod constant;
 mod explain;
 mod fields;
+mod format;
 mod graph;
 mod load;
 mod loader;
@@ -26,6 +27,7 @@ mod vocabulary;
 mod words;
 
 pub use explain::{Page, explain, pages};
+pub use format::{Unreadable, format};
 pub use loader::{LoadError, Loaded, Loader, NoFiles};
 pub use problem::{Edit, Label, Problem, Safety, Severity, Suggestion};
 pub use settings::Setting;

@@ -11,6 +11,7 @@ mod context;
 mod error;
 mod expected;
 mod foreign;
+mod format;
 mod lexer;
 mod parse;
 mod span;
@@ -21,6 +22,7 @@ mod token;
 mod verdict;
 
 pub use error::{NumberProblem, SyntaxError, SyntaxErrorKind};
+pub use format::format;
 pub use parse::{Parsed, parse};
 pub use span::{FileId, Span};
 

@@ -6,6 +6,7 @@
 mod exit_codes;
 mod explain;
 mod files;
+mod fmt;
 mod help;
 mod inspect;
 mod interrupts;

@@ -11,7 +11,7 @@ use treegen_runtime::mesh::StemSurface;
 use treegen_runtime::picture::Rect;
 use treegen_runtime::trace::cells::Culling as CullingMode;
 
-use crate::console::{self, Color, Console, shown, shown_text};
+use crate::console::{self, Color, Console, MessageFormat, shown, shown_text};
 use crate::exit::Exit;
 use crate::inspect::Inspect;
 use crate::measure::MeasureFormat;
@@ -73,6 +73,9 @@ pub struct Cli {
     /// When messages are coloured
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = "Messages")]
     pub color: Color,
+    /// How messages are written
+    #[arg(long, global = true, value_name = "FORMAT", default_value = "text", help_heading = "Messages")]
+    pub message_format: MessageFormat,
 }
 
 const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE\n       treegen fmt [--check] FILE...\n       treegen explain [CODE]";
@@ -117,6 +120,9 @@ pub struct Check {
     /// The program; `-` reads it from standard input
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// Apply the suggestions that are safe to the program and the files it uses, and say which
+    #[arg(long, help_heading = "What")]
+    pub fix: bool,
     /// What its parameters are.
     #[command(flatten)]
     pub program: Program,
@@ -208,6 +214,16 @@ pub struct Program {
     /// Another seed draws another tree
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
+    /// Take warnings for errors
+    #[arg(long, value_name = "WHAT", help_heading = "Messages")]
+    pub deny: Option<Deny>,
+}
+
+/// What is not let pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Deny {
+    /// Any warning
+    Warnings,
 }
 
 /// How the surface of stems is made.
@@ -286,7 +302,7 @@ pub fn parse() -> Result<Cli, Exit> {
 /// refuses what stands before the verb and belongs to all, too.
 fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
     let Some(verb) = matches.subcommand_name() else { return Ok(()) };
-    let shared = ["quiet", "color"];
+    let shared = ["quiet", "color", "message_format"];
     let given = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let command = Cli::command();
     let ids = command.get_arguments().map(|it| it.get_id().as_str()).filter(|it| !shared.contains(it));
@@ -333,7 +349,7 @@ fn tell(error: &clap::Error) -> Exit {
 /// The way to whoever started the run.
 impl From<&Cli> for Console {
     fn from(cli: &Cli) -> Self {
-        Self::new(cli.color, cli.quiet)
+        Self::new(cli.color, cli.quiet, cli.message_format)
     }
 }
 

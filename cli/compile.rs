@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use treegen_compiler::{Compiled, Options, Problem, Sources, Vocabulary};
+use treegen_compiler::{Compiled, Options, Problem, Severity, Sources, Vocabulary};
 use treegen_runtime::form::Scene;
 use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, FaultKind, Limit, Limits};
 
-use crate::arguments::Program;
+use crate::arguments::{Deny, Program};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::files::Files;
@@ -30,13 +30,16 @@ pub struct Understood {
 /// # Errors
 /// What is wrong with the file or with what it says.
 pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console) -> Result<Understood, Failure> {
-    let files = Files::open(file)?;
-    let options = Options { seed: program.seed, time: 0.0, settings: program.set.clone(), limits };
-    let mut compiled = treegen_compiler::compile(files.main(), &files, &options);
+    let (files, mut compiled) = look(file, program, limits)?;
     let idle = treegen_compiler::idle_rules(&compiled);
     compiled.problems.extend(idle);
-    let Compiled { sources, scene, problems, vocabulary } = compiled;
-    let words = treegen_compiler::show(&problems, &sources, console.color);
+    treegen_compiler::sort(&mut compiled.problems);
+    let Compiled { sources, mut scene, mut problems, vocabulary } = compiled;
+    if program.deny == Some(Deny::Warnings) && !problems.is_empty() {
+        problems.iter_mut().for_each(|it| it.severity = Severity::Error);
+        scene = None;
+    }
+    let words = console.words(&problems, &sources);
     match scene {
         Some(scene) => {
             console.warn(&words);
@@ -44,6 +47,17 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
         }
         None => Err(Failure::diagnostics(exit_of(&problems), words)),
     }
+}
+
+/// Reads and compiles a program without a word.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn look(file: &Path, program: &Program, limits: Limits) -> Result<(Files, Compiled), Failure> {
+    let files = Files::open(file)?;
+    let options = Options { seed: program.seed, time: 0.0, settings: program.set.clone(), limits };
+    let compiled = treegen_compiler::compile(files.main(), &files, &options);
+    Ok((files, compiled))
 }
 
 impl Understood {
@@ -56,7 +70,7 @@ impl Understood {
         if problems.is_empty() {
             return Ok(());
         }
-        Err(Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color)))
+        Err(Failure::diagnostics(exit_of(&problems), console.words(&problems, &self.sources)))
     }
 
     /// The same program, whose shapes stop after so many rules, if a number is given.
@@ -71,7 +85,7 @@ impl Understood {
     pub fn warn_of(&self, left_out: &[LeftOut], console: Console) {
         let problems: Vec<Problem> = left_out.iter().map(treegen_compiler::problem_of_left_out).collect();
         if !problems.is_empty() {
-            console.warn(&treegen_compiler::show(&problems, &self.sources, console.color));
+            console.warn(&console.words(&problems, &self.sources));
         }
     }
 
@@ -88,7 +102,7 @@ impl Understood {
             problem.notes.insert(0, "`--triangles N` allows so many".to_owned());
         }
         let problems = [problem];
-        Failure::diagnostics(exit_of(&problems), treegen_compiler::show(&problems, &self.sources, console.color))
+        Failure::diagnostics(exit_of(&problems), console.words(&problems, &self.sources))
     }
 }
 

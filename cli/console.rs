@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
 
 use clap::ValueEnum;
+use treegen_compiler::{Problem, Sources};
 
 use crate::exit::{Failure, Message};
 
@@ -20,6 +21,16 @@ pub enum Color {
     Never,
 }
 
+/// How messages are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MessageFormat {
+    /// For people
+    #[default]
+    Text,
+    /// For programs: one JSON object a line
+    Json,
+}
+
 /// The way to whoever started the run.
 #[derive(Clone, Copy, Debug)]
 pub struct Console {
@@ -27,28 +38,33 @@ pub struct Console {
     pub color: bool,
     /// Whether only errors are said.
     pub quiet: bool,
+    /// How messages are written.
+    pub format: MessageFormat,
 }
 
 impl Console {
     /// Finds out whether standard error takes colour.
-    pub fn new(color: Color, quiet: bool) -> Self {
+    pub fn new(color: Color, quiet: bool, format: MessageFormat) -> Self {
         let color = match color {
             Color::Auto => anstream::AutoStream::choice(&io::stderr()) != anstream::ColorChoice::Never,
             Color::Always => true,
             Color::Never => false,
         };
-        Self { color, quiet }
+        Self { color, quiet, format }
     }
 
     /// Whether there is somebody to watch a bar grow.
     pub fn is_watched(self) -> bool {
-        !self.quiet && io::stderr().is_terminal()
+        self.may_chat() && io::stderr().is_terminal()
     }
 
     /// Says why a run failed.
     pub fn fail(self, failure: &Failure) {
         match &failure.message {
             Message::None => {}
+            Message::Sentence { text, help } if self.format == MessageFormat::Json => {
+                print(&treegen_compiler::show_json_sentence(text, help.as_deref()));
+            }
             Message::Sentence { text, help } => {
                 let mut message = format!("{}: {text}\n", self.paint("error", "1;31"));
                 if let Some(help) = help {
@@ -69,9 +85,28 @@ impl Console {
 
     /// Tells how it went.
     pub fn tell(self, text: &str) {
-        if !self.quiet {
+        if self.may_chat() {
             print(&format!("{text}\n"));
         }
+    }
+
+    /// Problems in words, or for programs.
+    pub fn words(self, problems: &[Problem], sources: &Sources) -> String {
+        match self.format {
+            MessageFormat::Text => {
+                let words = treegen_compiler::show(problems, sources, self.color);
+                match problems.iter().find(|it| it.is_error()) {
+                    Some(error) if !self.quiet => format!("{words}`treegen explain {}` tells more\n", error.code),
+                    _ => words,
+                }
+            }
+            MessageFormat::Json => treegen_compiler::show_json(problems, sources),
+        }
+    }
+
+    /// Whether somebody wants to hear what is not about a mistake.
+    fn may_chat(self) -> bool {
+        !self.quiet && self.format == MessageFormat::Text
     }
 
     fn paint(self, word: &str, style: &str) -> String {

@@ -90,6 +90,15 @@ impl Files {
         self.main.path.iter().cloned().chain(used.keys().map(|it| self.root.join(it))).collect()
     }
 
+    /// The canonical path of the file that messages call so.
+    pub fn path_of(&self, name: &str) -> Option<PathBuf> {
+        if self.main.name == name {
+            return self.main.path.clone();
+        }
+        let used = self.used.borrow();
+        used.keys().find(|it| self.name_of(it) == name).map(|it| self.root.join(it))
+    }
+
     /// A hash of all that was read: SHA-256 of the program, then of each used file's path from the root and text, each after a byte
     /// 0. It does not depend on a byte-order mark, on how lines end, or on blank space at the end; so of a program that uses
     /// nothing, and ends with one line end, it is what `sha256sum` prints.

@@ -53,7 +53,7 @@ fn one(file: &Path, check: bool, progress: &Progress, console: Console) -> Resul
 }
 
 fn unreadable(text: &Unreadable, console: Console) -> Failure {
-    let words = treegen_compiler::show(&text.problems, &text.sources, console.color);
+    let words = console.words(&text.problems, &text.sources);
     let is_limit = text.problems.iter().all(treegen_compiler::Problem::is_limit);
     Failure::diagnostics(if is_limit { Exit::Limit } else { Exit::Program }, words)
 }

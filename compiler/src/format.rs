@@ -24,6 +24,8 @@ pub fn format(file: Loaded) -> Result<String, Unreadable> {
     treegen_grammar::format(FileId::MAIN, &file.text).map_err(|errors| {
         let mut sources = Sources::default();
         sources.add(file.name, file.text);
-        Unreadable { sources, problems: errors.iter().map(words::syntax::problem).collect() }
+        let mut problems: Vec<Problem> = errors.iter().map(words::syntax::problem).collect();
+        crate::fix::part_words(&mut problems, &sources);
+        Unreadable { sources, problems }
     })
 }

@@ -10,6 +10,7 @@ mod check;
 mod constant;
 mod explain;
 mod fields;
+mod fix;
 mod format;
 mod graph;
 mod load;
@@ -27,11 +28,12 @@ mod vocabulary;
 mod words;
 
 pub use explain::{Page, explain, pages};
+pub use fix::{Mended, mend};
 pub use format::{Unreadable, format};
 pub use loader::{LoadError, Loaded, Loader, NoFiles};
 pub use problem::{Edit, Label, Problem, Safety, Severity, Suggestion};
 pub use settings::Setting;
-pub use show::show;
+pub use show::{show, show_json, show_json_sentence, sort};
 pub use sources::{Source, Sources};
 pub use treegen_grammar::{FileId, Span};
 pub use vocabulary::Vocabulary;
@@ -100,6 +102,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
         }
     };
     show::sort(&mut problems);
+    fix::part_words(&mut problems, &sources);
     Compiled { sources, scene, problems, vocabulary }
 }
 

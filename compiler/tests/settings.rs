@@ -50,7 +50,7 @@ fn wrong_settings_are_told_apart_from_wrong_programs() {
         ("Tree.height", "2", "E0801"),
         ("height", "2; let x = 1", "E0802"),
         ("height", "20", "E0803"),
-        ("height", "(1", "E0803"),
+        ("height", "(1", "E0802"),
         ("height", "tall", "E0803"),
         ("Tree.order", "-1", "E0803"),
     ] {

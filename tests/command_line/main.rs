@@ -3,6 +3,7 @@
 // A helper of a test fails as a test does.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod check;
 mod exit_codes;
 mod explain;
 mod files;

@@ -140,7 +140,8 @@ impl Resolver<'_> {
     ) -> SolidKind {
         let place = scope.next_call();
         let Some(args) = args else {
-            self.report(scope, words::arguments::needs_parentheses(&name.text, span));
+            let needs_arguments = self.formals_of(system).iter().any(|it| it.1);
+            self.report(scope, words::arguments::needs_parentheses(&name.text, span, needs_arguments));
             return SolidKind::Error;
         };
         // The names come from the tree's declaration; defaults may not be resolved yet.

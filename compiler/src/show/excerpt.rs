@@ -186,7 +186,7 @@ fn push_escaped(text: &mut String, letter: char) {
 }
 
 /// Whether a character is a control, invisible, or changes the direction of writing.
-fn is_deceptive(letter: char) -> bool {
+pub(super) fn is_deceptive(letter: char) -> bool {
     letter.is_control()
         || matches!(u32::from(letter),
             0xAD | 0x34F | 0x61C | 0x115F..=0x1160 | 0x17B4..=0x17B5 | 0x180B..=0x180F | 0x200B..=0x200F

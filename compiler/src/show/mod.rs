@@ -1,6 +1,7 @@
 //! Problems for people: plain or coloured text.
 
 mod excerpt;
+mod json;
 
 use codespan_reporting::diagnostic::{Diagnostic, LabelStyle};
 use codespan_reporting::term::{self, Config};
@@ -9,11 +10,13 @@ use crate::problem::{Problem, Severity};
 use crate::sources::Sources;
 use excerpt::{Excerpts, escaped};
 
+pub use json::{show_json, show_json_sentence};
+
 /// How many problems are shown.
 const MOST: usize = 100;
 
 /// Puts problems into the order of the text, each once.
-pub(crate) fn sort(problems: &mut Vec<Problem>) {
+pub fn sort(problems: &mut Vec<Problem>) {
     problems.sort_by(|a, b| (a.span(), a.code, &a.message).cmp(&(b.span(), b.code, &b.message)));
     problems.dedup();
 }
@@ -23,7 +26,17 @@ pub(crate) fn sort(problems: &mut Vec<Problem>) {
 /// Control characters and those that change the direction of writing are shown as their code points, whatever a program or a file's
 /// name contains.
 pub fn show(problems: &[Problem], sources: &Sources, color: bool) -> String {
-    let mut out = String::new();
+    let (chosen, hidden) = chosen(problems);
+    let mut out: String = chosen.iter().map(|it| one(it, sources, color)).collect();
+    if hidden > 0 {
+        out.push_str(&format!("... and {hidden} more\n"));
+    }
+    out
+}
+
+/// The problems that are shown, and how many are not.
+fn chosen(problems: &[Problem]) -> (Vec<&Problem>, usize) {
+    let mut chosen = Vec::new();
     let errors = problems.iter().filter(|it| it.is_error()).count();
     let mut warnings_left = MOST.saturating_sub(errors);
     let mut errors_left = MOST;
@@ -35,12 +48,9 @@ pub fn show(problems: &[Problem], sources: &Sources, color: bool) -> String {
             continue;
         }
         *left -= 1;
-        out.push_str(&one(problem, sources, color));
+        chosen.push(problem);
     }
-    if hidden > 0 {
-        out.push_str(&format!("... and {hidden} more\n"));
-    }
-    out
+    (chosen, hidden)
 }
 
 /// Writes one problem.

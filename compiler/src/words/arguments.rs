@@ -54,9 +54,11 @@ pub(crate) fn no_names(callee: &str, span: Span) -> Problem {
 }
 
 /// Something that is called without its parentheses.
-pub(crate) fn needs_parentheses(name: &str, span: Span) -> Problem {
+/// Parentheses alone mend it if no argument must be given.
+pub(crate) fn needs_parentheses(name: &str, span: Span, needs_arguments: bool) -> Problem {
+    let safety = if needs_arguments { Safety::Unsafe } else { Safety::Safe };
     Problem::error("E0407", format!("`{name}` is a system and is called with parentheses"), span, "no parentheses")
-        .suggest(format!("write `{name}()`"), Safety::Safe, Span { start: span.end, ..span }, "()")
+        .suggest(format!("write `{name}()`"), safety, Span { start: span.end, ..span }, "()")
 }
 
 fn takes(params: &[&str]) -> String {

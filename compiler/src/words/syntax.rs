@@ -89,7 +89,9 @@ fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem
     let problem =
         Problem::error("E0101", format!("the character {shown} is not part of the language"), span, "not known here");
     match twin {
-        Some(twin) => problem.suggest(format!("write `{twin}`"), Safety::Unsafe, span, twin),
+        // Quotes come in pairs.
+        Some("\"") => problem.suggest("write `\"`", Safety::Unsafe, span, "\""),
+        Some(twin) => problem.suggest(format!("write `{twin}`"), Safety::Safe, span, twin),
         None => problem.note(
             "names have letters from a to z, digits and `_`; all that can be seen may stand in texts and comments",
         ),

@@ -2,12 +2,16 @@
 
 use treegen_grammar::Span;
 
-use crate::problem::Problem;
+use crate::problem::{Problem, Safety};
 
 /// A definition that nothing uses.
 pub(crate) fn unused(what: &str, name: &str, span: Span) -> Problem {
-    Problem::warning("W0001", format!("the {what} `{name}` is never used"), span, "not used")
-        .note(format!("a name that begins with `_` may be unused: `_{name}`"))
+    Problem::warning("W0001", format!("the {what} `{name}` is never used"), span, "not used").suggest(
+        format!("a name that begins with `_` may be unused: `_{name}`"),
+        Safety::Unsafe,
+        Span { end: span.start, ..span },
+        "_",
+    )
 }
 
 /// A rule that can never be chosen.

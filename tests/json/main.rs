@@ -1,0 +1,141 @@
+//! `--message-format json`: every message of every case and every page is as `docs/messages.schema.json` says, with the places that
+//! it says.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod schema;
+
+use std::fs;
+use std::path::Path;
+
+use common::compiled;
+use serde_json::{Value, json};
+use treegen_compiler::{Compiled, Problem, certain_faults, idle_rules, show_json, show_json_sentence};
+use treegen_runtime::Limits;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn the_schema() -> Value {
+    serde_json::from_str(&fs::read_to_string(root().join("docs/messages.schema.json")).unwrap()).unwrap()
+}
+
+/// Every program that is there for its messages.
+fn cases() -> Vec<String> {
+    let mut paths: Vec<_> = ["errors", "followed", "run"]
+        .iter()
+        .filter_map(|it| fs::read_dir(root().join("tests/cases").join(it)).ok())
+        .flat_map(|it| it.map(|it| it.unwrap().path()))
+        .collect();
+    paths.retain(|it| it.extension().is_some_and(|it| it == "tg"));
+    paths.sort();
+    assert!(paths.len() > 60);
+    paths.iter().map(|it| fs::read_to_string(it).unwrap()).collect()
+}
+
+fn problems(compiled: &Compiled) -> Vec<Problem> {
+    let mut problems = compiled.problems.clone();
+    problems.extend(idle_rules(compiled));
+    if let Some(scene) = &compiled.scene {
+        problems.extend(certain_faults(scene, &Limits::default(), &compiled.vocabulary));
+    }
+    problems
+}
+
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|it| serde_json::from_str(it).unwrap()).collect()
+}
+
+#[test]
+fn every_message_of_every_case_is_as_the_schema_says() {
+    let schema = the_schema();
+    let mut count = 0;
+    for text in cases() {
+        let compiled = compiled(&text);
+        let problems = problems(&compiled);
+        let written = show_json(&problems, &compiled.sources);
+        let messages = lines(&written);
+        assert_eq!(messages.len(), problems.len());
+        for (message, problem) in messages.iter().zip(&problems) {
+            let mistakes = schema::mistakes(message, &schema);
+            assert!(mistakes.is_empty(), "{mistakes:?}");
+            assert_eq!(message["code"], problem.code);
+            assert_eq!(message["labels"].as_array().unwrap().len(), problem.labels.len());
+            count += 1;
+        }
+    }
+    assert!(count > 150, "{count}");
+}
+
+#[test]
+fn places_are_those_of_the_text() {
+    for text in cases() {
+        let compiled = compiled(&text);
+        for message in lines(&show_json(&problems(&compiled), &compiled.sources)) {
+            let edits =
+                message["suggestions"].as_array().unwrap().iter().flat_map(|it| it["edits"].as_array().unwrap());
+            for place in message["labels"].as_array().unwrap().iter().chain(edits) {
+                for end in ["start", "end"] {
+                    let number = |name: &str| place[end][name].as_u64().unwrap() as usize;
+                    let before = &text[..number("byte")];
+                    assert_eq!(number("line"), before.matches('\n').count() + 1);
+                    assert_eq!(number("column"), before.rsplit('\n').next().unwrap().chars().count() + 1);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_suggestion_can_be_applied() {
+    let text = "scene { show shpere; }";
+    let compiled = compiled(text);
+    let messages = lines(&show_json(&compiled.problems, &compiled.sources));
+    let edit = &messages[0]["suggestions"][0]["edits"][0];
+    assert_eq!(
+        (&edit["replacement"], &edit["start"]),
+        (&json!("sphere"), &json!({"byte": 13, "line": 1, "column": 14}))
+    );
+    assert_eq!(messages[0]["suggestions"][0]["safe"], false);
+}
+
+#[test]
+fn nothing_in_a_message_can_deceive() {
+    let text = "csg A { start a\u{202e}\u{e0041}; }\n/* \u{200b} */ let b = (1, 2) + \"c\u{1b}[2J\u{feff}\";";
+    let written = show_json(&compiled(text).problems, &compiled(text).sources);
+    assert!(written.lines().count() > 1);
+    for letter in ['\u{202e}', '\u{e0041}', '\u{200b}', '\u{1b}', '\u{feff}'] {
+        assert!(!written.contains(letter), "{letter:?}");
+    }
+    let sentence = show_json_sentence("cannot read `a\u{202e}`", Some("see \u{1b}[2J"));
+    assert!(!sentence.contains(['\u{202e}', '\u{1b}']));
+    assert!(schema::mistakes(&lines(&sentence)[0], &the_schema()).is_empty());
+}
+
+#[test]
+fn at_most_a_hundred_are_written_and_then_how_many_there_are() {
+    let wrong: String = (0..250).map(|it| format!("let a{it} = (1, 2) + {it};\n")).collect();
+    let compiled = compiled(&format!("{wrong} scene {{ show sphere; }}"));
+    let messages = lines(&show_json(&compiled.problems, &compiled.sources));
+    assert_eq!((messages.len(), &messages[100]["message"]), (101, &json!("and 150 more")));
+    assert!(schema::mistakes(&messages[100], &the_schema()).is_empty());
+}
+
+#[test]
+fn the_schema_refuses_what_is_no_message() {
+    let schema = the_schema();
+    let right: Value = serde_json::from_str(&show_json_sentence("wrong", None)).unwrap();
+    assert!(schema::mistakes(&right, &schema).is_empty());
+    for (name, value) in [("code", json!("E12")), ("severity", json!("bad")), ("notes", json!([1])), ("more", json!(1))]
+    {
+        let mut wrong = right.clone();
+        wrong[name] = value;
+        assert!(!schema::mistakes(&wrong, &schema).is_empty(), "{name}");
+    }
+    let mut wrong = right;
+    wrong.as_object_mut().unwrap().remove("labels");
+    assert!(!schema::mistakes(&wrong, &schema).is_empty());
+}

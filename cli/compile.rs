@@ -34,7 +34,7 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
     let idle = treegen_compiler::idle_rules(&compiled);
     compiled.problems.extend(idle);
     treegen_compiler::sort(&mut compiled.problems);
-    let Compiled { sources, mut scene, mut problems, vocabulary } = compiled;
+    let Compiled { sources, mut scene, mut problems, vocabulary, .. } = compiled;
     if program.deny == Some(Deny::Warnings) && !problems.is_empty() {
         problems.iter_mut().for_each(|it| it.severity = Severity::Error);
         scene = None;

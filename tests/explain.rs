@@ -1,5 +1,5 @@
 //! The pages of `treegen explain`: each code has one, its wrong example gives that code and nothing else, and its mended example
-//! gives no message at all.
+//! gives no message at all. What the wrong ones are told is kept word by word.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -102,6 +102,9 @@ fn the_first_example_gives_its_code_and_the_second_gives_no_message() {
             [] if has_none => {}
             [bad, mended] if !has_none => {
                 let (codes, said) = told(bad, &page.code[..1]);
+                // What is told of a file that was written has seconds in it.
+                let words: Vec<&str> = said.lines().filter(|it| !it.ends_with(" s")).collect();
+                insta::assert_snapshot!(page.code, words.join("\n"));
                 if codes != BTreeSet::from([page.code.to_owned()]) {
                     wrong.push(format!("the example of {} gives {codes:?}:\n{said}", page.code));
                 }

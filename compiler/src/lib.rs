@@ -68,6 +68,8 @@ pub struct Compiled {
     pub problems: Vec<Problem>,
     /// Its names for values, for [`problem_of_fault`].
     pub vocabulary: Vocabulary,
+    /// The rules that wait for a counter to have one value.
+    counters: Vec<check::Counter>,
 }
 
 /// Compiles a program and all that it uses into a scene.
@@ -80,6 +82,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     let mut program = resolve::resolve(&input, &mut problems);
     let vocabulary = program.vocabulary();
     check::check(&mut program, &mut problems);
+    let counters = check::counters(&program);
     let given = constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
     let mut constants = constant::Constants::find(&program, &vocabulary, given);
     let setting = scene::setting(&mut constants);
@@ -103,7 +106,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     };
     show::sort(&mut problems);
     fix::part_words(&mut problems, &sources);
-    Compiled { sources, scene, problems, vocabulary }
+    Compiled { sources, scene, problems, vocabulary, counters }
 }
 
 /// Warnings about a program that show only when it is followed: rules that never apply, whatever is drawn. Those that
@@ -121,7 +124,10 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     for rule in treegen_runtime::idle_rules(scene) {
         let span = words::fault::span(rule.origin);
         if let Some(span) = span.filter(|it| !is_known(*it)) {
-            problems.push(words::warnings::idle_rule(&rule.module, span));
+            problems.push(match compiled.counters.iter().find(|it| it.rule == span) {
+                Some(counter) => words::warnings::skips_end(counter, &compiled.sources),
+                None => words::warnings::idle_rule(&rule.module, span),
+            });
         }
     }
     show::sort(&mut problems);

@@ -137,8 +137,8 @@ fn value(setting: &Setting, sources: &mut Sources, problems: &mut Vec<Problem>) 
     let file = sources.add("--set".to_owned(), format!("let {} = {};", last(&setting.name), setting.value));
     let text = sources.get(file).map_or("", |it| it.text.as_str());
     let mut parsed = parse(file, text);
-    if let Some(error) = parsed.errors.first() {
-        problems.push(Problem { code: "E0802", ..words::syntax::problem(error) });
+    if !parsed.errors.is_empty() {
+        problems.push(words::settings::not_a_value(&setting.name, &setting.value));
         return None;
     }
     match (parsed.file.items.pop().map(|it| it.kind), parsed.file.items.is_empty()) {

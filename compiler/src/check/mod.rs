@@ -3,12 +3,18 @@
 //! The program itself stays as it is, but that definitions in which a problem was found are marked as broken.
 
 mod circles;
+mod counters;
+mod guards;
 mod infer;
 mod rules;
 mod shown;
 mod solids;
 mod types;
 mod unused;
+mod visit;
+mod walks;
+
+pub(crate) use counters::Counter;
 
 use crate::problem::Problem;
 use crate::program::{DefId, Program};
@@ -23,5 +29,11 @@ pub(crate) fn check(program: &mut Program, problems: &mut Vec<Problem>) {
     }
     rules::check(program, problems);
     shown::check(program, problems);
+    walks::check(program, problems);
     unused::check(program, problems);
+}
+
+/// The rules that wait for a counter, for [`idle_rules`](crate::idle_rules).
+pub(crate) fn counters(program: &Program) -> Vec<Counter> {
+    counters::find(program)
 }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use treegen_grammar::ast::{CutOp, SystemKind};
 
+use super::guards;
 use crate::graph;
 use crate::problem::Problem;
 use crate::program::{DefId, DefKind, Expr, ExprKind, Module, Program, Solid, SolidKind};
@@ -17,7 +18,7 @@ pub(super) fn check(program: &Program, problems: &mut Vec<Problem>) {
         }
         unreachable(module, problems);
         for rule in &module.rules {
-            if let Some(guard) = rule.guard.as_ref().filter(|it| matches!(it.kind, ExprKind::Bool(false))) {
+            if let Some(guard) = rule.guard.as_ref().filter(|it| guards::never(it)) {
                 problems.push(words::warnings::guard_never_holds(guard.span, rule.span));
             }
         }

@@ -221,7 +221,9 @@ impl Resolver<'_> {
             None => {
                 if !names.unreadable.contains(&item.text) {
                     let near = nearest(&item.text, names.iter().map(|it| it.0)).map(str::to_owned);
-                    let problem = words::names::unknown_item(qualifier, &item.text, item.span, near.as_deref());
+                    let is_item = |it: &(&str, Named)| !matches!(it.1.meaning, Meaning::File(_));
+                    let known: Vec<&str> = names.iter().filter(is_item).map(|it| it.0).collect();
+                    let problem = words::names::unknown_item(qualifier, &item.text, item.span, near.as_deref(), &known);
                     self.report(scope, problem);
                 }
                 self.break_def(scope.def);

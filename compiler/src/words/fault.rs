@@ -248,6 +248,22 @@ fn advice(kind: &FaultKind) -> Option<&'static str> {
         FaultKind::Limit { limit: Limit::Rules | Limit::Modules | Limit::Segments, .. } => {
             Some("a walk needs an end: does a rule lay down its own module for ever?")
         }
+        FaultKind::Limit { limit: Limit::Strides, .. } => Some("a walk needs an end: does it come back to itself?"),
+        FaultKind::Limit { limit: Limit::Operations, .. } => {
+            Some("a function that calls itself twice doubles its work with every step")
+        }
+        FaultKind::Limit { limit: Limit::Repeat, .. } => Some("rules in rules make many of few: a row of rows"),
+        FaultKind::Index { index, .. } if index.fract() != 0.0 => {
+            Some("`floor`, `ceil` and `round` make whole numbers")
+        }
+        FaultKind::Index { .. } => Some("values are counted from 0; `count(list)` says how many there are"),
+        FaultKind::Whole { .. } => Some("`floor`, `ceil` and `round` make whole numbers"),
+        FaultKind::Segment { .. } => Some("`max(r, 0)` keeps a radius from falling below 0"),
+        FaultKind::Frame => Some("what a walk does to its frame stays; brackets `[ ]` keep it inside"),
+        FaultKind::Singular { kind: TransformKind::Scale | TransformKind::UScale, values } if values.contains(&0.0) => {
+            Some("a small factor, such as .001, makes something thin")
+        }
+        FaultKind::Range { .. } => Some("`clamp(value, low, high)` keeps a value within"),
         _ => None,
     }
 }
@@ -266,7 +282,7 @@ fn steps(steps: &[TrailStep], vocabulary: &Vocabulary) -> String {
         let values = named(&it.values, vocabulary);
         if values.is_empty() { it.name.clone() } else { format!("{} with {values}", it.name) }
     };
-    let steps: Vec<String> = steps.iter().map(step).collect();
+    let steps = counted(steps.iter().map(step));
     if steps.len() <= 2 * TRAIL_ENDS {
         steps.join("\n  ")
     } else {
@@ -274,6 +290,18 @@ fn steps(steps: &[TrailStep], vocabulary: &Vocabulary) -> String {
         let (first, last) = (&steps[..TRAIL_ENDS], &steps[steps.len() - TRAIL_ENDS..]);
         format!("{}\n  ... {hidden} more ...\n  {}", first.join("\n  "), last.join("\n  "))
     }
+}
+
+/// The same step many times is told once.
+fn counted(steps: impl Iterator<Item = String>) -> Vec<String> {
+    let mut runs: Vec<(String, usize)> = Vec::new();
+    for step in steps {
+        match runs.last_mut() {
+            Some((last, count)) if *last == step => *count += 1,
+            _ => runs.push((step, 1)),
+        }
+    }
+    runs.into_iter().map(|(step, count)| if count == 1 { step } else { format!("{step} ({count} times)") }).collect()
 }
 
 /// `c = 3, f = 0.5`

@@ -3,7 +3,7 @@
 use treegen_grammar::Span;
 
 use crate::loader::LoadError;
-use crate::problem::Problem;
+use crate::problem::{Problem, Safety};
 
 /// A file that could not be read.
 pub(crate) fn not_loaded(path: &str, span: Span, why: &LoadError) -> Problem {
@@ -12,6 +12,7 @@ pub(crate) fn not_loaded(path: &str, span: Span, why: &LoadError) -> Problem {
             .note("a path is relative to the file that names it"),
         LoadError::Outside => {
             Problem::error("E0202", format!("`{path}` leads out of the program's folder"), span, "not allowed")
+                .note("a program reads only what lies in its own folder and below")
         }
         LoadError::NotText { at } => {
             Problem::error("E0203", format!("`{path}` is not a text"), span, format!("byte {at} is not UTF-8"))
@@ -33,8 +34,22 @@ pub(crate) fn cycle(names: &[String], span: Span) -> Problem {
 
 /// A file whose name is no name of the language.
 pub(crate) fn needs_alias(path: &str, span: Span) -> Problem {
-    Problem::error("E0206", format!("`{path}` needs a name in this file"), span, "its own is no name")
-        .note("write `as` and a name behind it")
+    let name = name_like(path);
+    Problem::error("E0206", format!("`{path}` needs a name in this file"), span, "its own is no name").suggest(
+        format!("write `as` and a name behind it: `as {name}`"),
+        Safety::Unsafe,
+        Span { start: span.end, ..span },
+        format!(" as {name}"),
+    )
+}
+
+/// A name of the language that looks like a file's.
+fn name_like(path: &str) -> String {
+    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    let stem = file.strip_suffix(".tg").unwrap_or(file);
+    let letters = stem.chars().map(|it| if it.is_ascii_alphanumeric() { it } else { '_' });
+    let name: String = letters.skip_while(|it| !it.is_ascii_alphabetic()).take(40).collect();
+    if name.is_empty() { "file".to_owned() } else { name }
 }
 
 /// More than may be used.

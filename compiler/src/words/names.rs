@@ -13,9 +13,16 @@ pub(crate) fn unknown(name: &str, span: Span, what: &str, near: Option<&str>) ->
 }
 
 /// A name that is no item of a used file.
-pub(crate) fn unknown_item(file: &str, name: &str, span: Span, near: Option<&str>) -> Problem {
+pub(crate) fn unknown_item(file: &str, name: &str, span: Span, near: Option<&str>, known: &[&str]) -> Problem {
+    /// How many names are told.
+    const MOST: usize = 8;
     let message = format!("`{file}` has nothing named `{name}`");
-    similar(Problem::error("E0302", message, span, format!("not in the file used as `{file}`")), span, near)
+    let problem = Problem::error("E0302", message, span, format!("not in the file used as `{file}`"));
+    match known.get(..MOST) {
+        _ if near.is_some() || known.is_empty() => similar(problem, span, near),
+        Some(some) => problem.note(format!("it has {}, ...", super::quoted(some.iter().copied()).join(", "))),
+        None => problem.note(format!("it has {}", super::one_of(&super::quoted(known.iter().copied()), "and"))),
+    }
 }
 
 /// Something before a dot that is no used file.

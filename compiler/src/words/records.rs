@@ -55,7 +55,13 @@ pub(crate) fn texture_needed(field: &str, span: Span) -> Problem {
 
 /// A field with a value that it cannot have: `needs` says what it can.
 pub(crate) fn bad_value(field: &str, needs: &str, span: Span, is: &str) -> Problem {
-    Problem::error("E0608", format!("`{field}` must be {needs}"), span, format!("this is {is}"))
+    let problem = Problem::error("E0608", format!("`{field}` must be {needs}"), span, format!("this is {is}"));
+    // A vector of three, so its parts are what is wrong.
+    if needs.starts_with("a color") && is.matches(',').count() == 2 {
+        let end = Span { start: span.end, ..span };
+        return problem.suggest("colors from 0 to 255 are divided: `/ 255`", Safety::Unsafe, end, " / 255");
+    }
+    problem
 }
 
 /// Two fields that exclude each other.

@@ -25,6 +25,7 @@ pub(crate) fn unknown(name: &str, near: Option<&str>, known: &[&str]) -> Problem
 /// A setting whose text is more than an expression.
 pub(crate) fn not_a_value(name: &str, value: &str) -> Problem {
     plain("E0802", format!("`{name}` cannot be set to `{value}`, which is not one value"))
+        .note("it takes what may stand behind `=` in a program: `12`, `(1, 2, 3)`, `inf`")
 }
 
 /// A value outside its range.

@@ -48,7 +48,7 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
         }
         SyntaxErrorKind::BadEscape => {
             Problem::error("E0105", "nothing is written this way in a text", span, "not an escape")
-                .note("`\\\\` is a backslash, `\\\"` a quote")
+                .note("`\\\\` is a backslash, `\\\"` a quote; the folders of a path are parted by `/`")
         }
         SyntaxErrorKind::BadNumber(kind) => bad_number(*kind, span),
         SyntaxErrorKind::UnclosedBracket { open, close } => {
@@ -110,9 +110,17 @@ fn bad_number(kind: NumberProblem, span: Span) -> Problem {
         NumberProblem::TooLarge => ("larger than 1.8e308", Some("`inf` is without end")),
     };
     let problem = Problem::error("E0106", "this is not a number", span, label);
-    match note {
+    let problem = match note {
         Some(note) => problem.note(note),
         None => problem,
+    };
+    match kind {
+        // It could be meant as a range with a point too few.
+        NumberProblem::NothingAfterPoint => {
+            let end = Span { start: span.end, ..span };
+            problem.suggest("add the digit", Safety::Unsafe, end, "0")
+        }
+        _ => problem,
     }
 }
 

@@ -13,7 +13,8 @@ pub(crate) fn no_start(name: &str, span: Span) -> Problem {
 
 /// A member that may stand once only.
 pub(crate) fn member_twice(what: &str, span: Span, first: Span) -> Problem {
-    Problem::error("E0502", format!("{what} stands twice"), span, "again here").and(first, "first here")
+    let problem = Problem::error("E0502", format!("{what} stands twice"), span, "again here").and(first, "first here");
+    if what == "`start`" { problem.note("a system starts with one solid or walk; `|` joins solids") } else { problem }
 }
 
 /// Rules of one module that do not agree in how many parameters it has.

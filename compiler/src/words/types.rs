@@ -7,7 +7,12 @@ use crate::problem::{Problem, Safety};
 
 /// A value of another type than is needed.
 pub(crate) fn mismatch(for_what: &str, needs: &str, is: &str, span: Span) -> Problem {
-    Problem::error("E0411", format!("{for_what} must be {needs}, not {is}"), span, format!("this is {is}"))
+    let problem =
+        Problem::error("E0411", format!("{for_what} must be {needs}, not {is}"), span, format!("this is {is}"));
+    if needs == "a truth value" && is == "a number" {
+        return problem.note("numbers are compared, as in `n > 0`; 0 is not false");
+    }
+    problem
 }
 
 /// A value of another type than an earlier one.
@@ -48,7 +53,12 @@ pub(crate) fn not_a_list(is: &str, span: Span) -> Problem {
 
 /// A part of something that is no vector, or that a vector of its size does not have.
 pub(crate) fn no_such_part(part: &str, is: &str, span: Span) -> Problem {
-    Problem::error("E0417", format!("{is} has no part `{part}`"), span, "not there")
+    let problem = Problem::error("E0417", format!("{is} has no part `{part}`"), span, "not there");
+    match is {
+        "a vector of 2" => problem.note("it has `.x` and `.y`"),
+        "a vector of 3" => problem.note("it has `.x`, `.y` and `.z`"),
+        _ => problem,
+    }
 }
 
 /// A part that no vector has.

@@ -2,7 +2,9 @@
 
 use treegen_grammar::Span;
 
+use crate::check::Counter;
 use crate::problem::{Problem, Safety};
+use crate::sources::Sources;
 
 /// A definition that nothing uses.
 pub(crate) fn unused(what: &str, name: &str, span: Span) -> Problem {
@@ -18,6 +20,7 @@ pub(crate) fn unused(what: &str, name: &str, span: Span) -> Problem {
 pub(crate) fn unreachable_rule(module: &str, span: Span, earlier: Span) -> Problem {
     Problem::warning("W0002", format!("this rule of `{module}` is never reached"), span, "never chosen")
         .and(earlier, "this one always applies")
+        .note("rules are tried in the order in which they are written")
 }
 
 /// A rule that its selection function never names.
@@ -41,4 +44,24 @@ pub(crate) fn guard_never_holds(span: Span, rule: Span) -> Problem {
 pub(crate) fn hides_builtin(name: &str, what: &str, span: Span) -> Problem {
     let message = format!("`{name}` hides the built-in {what} of that name");
     Problem::warning("W0004", message, span, format!("the built-in {what} cannot be used where this is seen"))
+}
+
+/// A rule that waits for a value that its counter never has.
+pub(crate) fn skips_end(counter: &Counter, sources: &Sources) -> Problem {
+    let guard = sources.text(counter.guard);
+    let name = &counter.name;
+    let sign = if counter.falls { "<=" } else { ">=" };
+    Problem::warning("W0007", format!("`{guard}` never holds: `{name}` skips that value"), counter.guard, "never true")
+        .and(counter.change, format!("`{name}` changes here"))
+        .suggest(format!("`{sign}` holds for all that lies beyond"), Safety::Unsafe, counter.sign, sign)
+}
+
+/// A module laid where another one begins, as if that one's tip were here.
+pub(crate) fn begins_where(module: &str, span: Span, earlier: &str, first: Span) -> Problem {
+    let message = format!("`{module}` begins where `{earlier}` begins, not at its tip");
+    Problem::warning("W0008", message, span, "laid down in the same place")
+        .and(first, "what becomes of it moves nothing here")
+        .note(format!(
+            "to go on from the tip, let `{earlier}` end with `{module}`; for both in one place, write `[ {earlier} ]`"
+        ))
 }

@@ -78,7 +78,7 @@ pub struct Cli {
     pub message_format: MessageFormat,
 }
 
-const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE\n       treegen fmt [--check] FILE...\n       treegen explain [CODE]";
+const USAGE: &str = "treegen [OPTIONS] FILE [-o OUT]\n       treegen check [OPTIONS] FILE\n       treegen inspect [OPTIONS] FILE (--expand | --form segments | --derivation)\n       treegen measure [OPTIONS] FILE\n       treegen fmt [--check] FILE...\n       treegen explain [CODE]\n       treegen limits";
 
 /// What can be done besides rendering.
 #[derive(Debug, Subcommand)]
@@ -93,6 +93,8 @@ pub enum Command {
     Fmt(Fmt),
     /// Tell more about a message by its code, with an example and the way out
     Explain(Explain),
+    /// List all limits: how far things may grow, and how to change that
+    Limits,
 }
 
 /// `treegen fmt FILE...`.
@@ -214,9 +216,31 @@ pub struct Program {
     /// Another seed draws another tree
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
+    /// Another limit, by its name in `treegen limits`: `--allow rules=10000000`; may be repeated
+    #[arg(long, value_name = "NAME=N", value_parser = allowed, help_heading = "Program")]
+    pub allow: Vec<Allowed>,
     /// Take warnings for errors
     #[arg(long, value_name = "WHAT", help_heading = "Messages")]
     pub deny: Option<Deny>,
+}
+
+/// Another limit.
+#[derive(Clone, Debug)]
+pub struct Allowed {
+    name: String,
+    value: u64,
+}
+
+impl Program {
+    /// How far things may grow.
+    pub fn limits(&self) -> Limits {
+        let mut limits = Limits::default();
+        for it in &self.allow {
+            // It was looked at when it was read.
+            let _ = treegen_compiler::allow(&mut limits, &it.name, it.value);
+        }
+        limits
+    }
 }
 
 /// What is not let pass.
@@ -315,7 +339,7 @@ fn refuse_mixture(matches: &ArgMatches) -> Result<(), clap::Error> {
 /// Of two values for one name, one would be lost without a word.
 fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
     let program = match &cli.command {
-        Some(Command::Explain(_) | Command::Fmt(_)) => return Ok(()),
+        Some(Command::Explain(_) | Command::Fmt(_) | Command::Limits) => return Ok(()),
         Some(Command::Check(check)) => &check.program,
         Some(Command::Inspect(inspect)) => &inspect.program,
         Some(Command::Measure(measure)) => &measure.program,
@@ -389,6 +413,13 @@ fn detail(text: &str) -> Result<f64, String> {
 
 fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
+}
+
+fn allowed(text: &str) -> Result<Allowed, String> {
+    let (name, value) = text.split_once('=').ok_or("write a name, `=` and a number, as in rules=10000000")?;
+    let value = value.parse().map_err(|_| "write a whole number behind the `=`")?;
+    treegen_compiler::allow(&mut Limits::default(), name, value)?;
+    Ok(Allowed { name: name.to_owned(), value })
 }
 
 fn setting(text: &str) -> Result<Setting, String> {

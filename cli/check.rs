@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use treegen_runtime::Limits;
-
 use crate::arguments::Check;
 use crate::compile::{compile, look};
 use crate::console::{Console, shown, shown_text};
@@ -20,7 +18,7 @@ pub fn check(arguments: Check, console: Console) -> Result<(), Failure> {
     let name = shown(&arguments.file);
     let progress = Progress::listen()?;
     supervise(&progress, Bar::new(console), move |progress| {
-        let limits = Limits::default();
+        let limits = arguments.program.limits();
         if arguments.fix {
             fix(&arguments, progress, console)?;
         }
@@ -39,7 +37,7 @@ fn fix(arguments: &Check, progress: &Progress, console: Console) -> Result<(), F
         return Err(Failure::usage("`--fix` changes files, and standard input is none"));
     }
     for _ in 0..MOST_ROUNDS {
-        let (files, compiled) = look(&arguments.file, &arguments.program, Limits::default())?;
+        let (files, compiled) = look(&arguments.file, &arguments.program, arguments.program.limits())?;
         let mended = treegen_compiler::mend(&compiled.problems, &compiled.sources);
         let mut is_done = true;
         for file in mended {

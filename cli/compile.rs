@@ -5,7 +5,7 @@ use std::path::Path;
 use treegen_compiler::{Compiled, Options, Problem, Severity, Sources, Vocabulary};
 use treegen_runtime::form::Scene;
 use treegen_runtime::mesh::LeftOut;
-use treegen_runtime::{Fault, FaultKind, Limit, Limits};
+use treegen_runtime::{Fault, FaultKind, Limits};
 
 use crate::arguments::{Deny, Program};
 use crate::console::Console;
@@ -95,11 +95,10 @@ impl Understood {
             return Failure::interrupted();
         }
         let mut problem = treegen_compiler::problem_of_fault(fault, &self.vocabulary);
-        if matches!(fault.kind, FaultKind::Limit { limit: Limit::Primitives, .. }) {
-            problem.notes.insert(0, "`--limit N` allows so many".to_owned());
-        }
-        if matches!(fault.kind, FaultKind::Limit { limit: Limit::Triangles, .. }) {
-            problem.notes.insert(0, "`--triangles N` allows so many".to_owned());
+        if let FaultKind::Limit { limit, .. } = fault.kind
+            && let Some(way) = treegen_compiler::way_to_raise(limit)
+        {
+            problem.notes.insert(0, way);
         }
         let problems = [problem];
         Failure::diagnostics(exit_of(&problems), console.words(&problems, &self.sources))

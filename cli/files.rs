@@ -20,12 +20,6 @@ use crate::exit::{Exit, Failure};
 /// Bytes of one file.
 const MAX_BYTES: u64 = 4 << 20;
 
-/// Bytes of all files together.
-const MAX_TOTAL_BYTES: u64 = 32 << 20;
-
-/// Files of one program.
-const MAX_FILES: usize = 256;
-
 /// The files of one program.
 #[derive(Debug)]
 pub struct Files {
@@ -146,22 +140,6 @@ impl Files {
         let Some(bytes) = bytes else { return Err(LoadError::TooLarge) };
         String::from_utf8(bytes).map_err(|error| LoadError::NotText { at: error.utf8_error().valid_up_to() })
     }
-
-    /// Whether one more file may be kept.
-    fn check_room(&self, text: &str) -> Result<(), LoadError> {
-        let used = self.used.borrow();
-        let total: usize = used.values().map(String::len).sum::<usize>() + self.main.text.len() + text.len();
-        if MAX_FILES <= used.len() + 1 {
-            return Err(LoadError::Refused(format!("the program uses more than {MAX_FILES} files")));
-        }
-        if MAX_TOTAL_BYTES < total as u64 {
-            return Err(LoadError::Refused(format!(
-                "the program's files have more than {} MiB",
-                MAX_TOTAL_BYTES >> 20
-            )));
-        }
-        Ok(())
-    }
 }
 
 impl Loader for Files {
@@ -175,7 +153,6 @@ impl Loader for Files {
             return Ok(Loaded { name, text: text.clone() });
         }
         let text = self.read(&inside)?;
-        self.check_room(&text)?;
         self.used.borrow_mut().insert(inside, text.clone());
         Ok(Loaded { name, text })
     }

@@ -97,7 +97,7 @@ fn show(arguments: Inspect, console: Console, text: Text) -> Result<(), Failure>
     let place = Place::find(&arguments.output)?;
     let Inspect { file, program, system, until, .. } = arguments;
     let (bytes, sources) = supervise(&progress, Bar::new(console), move |_| {
-        let limits = Limits::default();
+        let limits = program.limits();
         let understood = compile(&file, &program, limits, console)?.stopping_after(until);
         let shape = find(&understood, &limits, system.as_deref(), console)?;
         let bytes = text(&understood, &shape, &limits, console)?;

@@ -15,6 +15,7 @@ mod inspect;
 mod inspect_derivation;
 mod inspect_expand;
 mod inspect_form;
+mod limits;
 mod measure;
 mod mesh;
 mod output;
@@ -39,6 +40,10 @@ fn main() -> ExitCode {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
+        Some(Command::Limits) => {
+            limits::print();
+            Ok(())
+        }
         Some(Command::Fmt(arguments)) => fmt::fmt(arguments, console),
         Some(Command::Measure(arguments)) => measure::measure(arguments, console),
         None => match mesh::Format::of(&cli.render.output()) {

@@ -54,7 +54,7 @@ pub fn measure(arguments: Measure, console: Console) -> Result<(), Failure> {
     let quiet = Bar::new(Console { quiet: true, ..console });
     let format = arguments.format;
     let measured = supervise(&progress, quiet, move |progress| {
-        let limits = Limits::default();
+        let limits = arguments.program.limits();
         let understood = compile(&arguments.file, &arguments.program, limits, console)?;
         look(&understood, arguments.seeds, &limits, progress).map_err(|fault| understood.failure(&fault, console))
     })?;

@@ -129,7 +129,7 @@ fn make(
     progress: &Progress,
     console: Console,
 ) -> Result<(Mesh, Understood), Failure> {
-    let limits = Limits { triangles: arguments.triangles, ..Limits::default() };
+    let limits = Limits { triangles: arguments.triangles, ..arguments.program.limits() };
     let understood = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&understood.files.paths())?;
     let fail = |fault: Fault| understood.failure(&fault, console);

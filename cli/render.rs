@@ -136,7 +136,7 @@ fn write_stats(stats: &Stats, out: &mut dyn Sink) -> io::Result<()> {
 /// Everything from reading the program to the last pixel.
 fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Console) -> Result<Made, Failure> {
     let start = Instant::now();
-    let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..Limits::default() };
+    let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..arguments.program.limits() };
     let program = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;

@@ -11,10 +11,10 @@ use crate::sources::Sources;
 use crate::words;
 
 /// How many files a program may use.
-const MAX_FILES: usize = 256;
+pub(crate) const MAX_FILES: usize = 256;
 
 /// How many bytes all files may have together.
-const MAX_BYTES: usize = 32 << 20;
+pub(crate) const MAX_BYTES: usize = 32 << 20;
 
 /// A file that was read.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ pub(crate) struct Unit {
 
 /// Reads the program and what it uses. Unit n is file n.
 pub(crate) fn load(main: Loaded, loader: &dyn Loader, sources: &mut Sources, problems: &mut Vec<Problem>) -> Vec<Unit> {
-    let mut reader = Reader { loader, sources, problems, units: Vec::new(), broken: Vec::new(), bytes: 0 };
+    let mut reader = Reader { loader, sources, problems, units: Vec::new(), broken: Vec::new(), bytes: 0, full: false };
     reader.read(main);
     let mut next = 0;
     while next < reader.units.len() {
@@ -49,6 +49,8 @@ struct Reader<'a> {
     /// Where each unit could not be read.
     broken: Vec<Vec<Span>>,
     bytes: usize,
+    /// Whether a limit was met: nothing more is read.
+    full: bool,
 }
 
 impl Reader<'_> {
@@ -78,6 +80,9 @@ impl Reader<'_> {
     }
 
     fn find(&mut self, importer: &str, path: &str, span: Span) -> Option<FileId> {
+        if self.full {
+            return None;
+        }
         match self.loader.load(importer, path) {
             Err(why) => {
                 self.problems.push(words::files::not_loaded(path, span, &why));
@@ -87,6 +92,7 @@ impl Reader<'_> {
                 if let Some((file, _)) = self.sources.iter().find(|it| it.1.name == loaded.name) {
                     return Some(file);
                 }
+                self.full = self.units.len() >= MAX_FILES || self.bytes + loaded.text.len() > MAX_BYTES;
                 if self.units.len() >= MAX_FILES {
                     self.problems.push(words::files::too_many("files", MAX_FILES, span));
                     return None;

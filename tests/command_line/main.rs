@@ -11,6 +11,7 @@ mod fmt;
 mod help;
 mod inspect;
 mod interrupts;
+mod limits;
 mod measure;
 mod mesh;
 mod output;

@@ -23,7 +23,7 @@ const MAX_INSTANCES: usize = 16;
 const MAX_DEPTH: usize = 64;
 
 /// How many lists may be in one another. Less than passes are made, so that one that is put into itself is noticed.
-const MAX_LISTS: usize = 8;
+pub(crate) const MAX_LISTS: usize = 8;
 
 /// What is known of a name's type, and where from.
 #[derive(Clone, Debug)]

@@ -15,6 +15,7 @@ mod visit;
 mod walks;
 
 pub(crate) use counters::Counter;
+pub(crate) use infer::MAX_LISTS;
 
 use crate::problem::Problem;
 use crate::program::{DefId, Program};

@@ -31,7 +31,7 @@ use names::Names;
 use scope::Scope;
 
 /// How many names of values one system may have: slots are numbered with 16 bits.
-const MAX_SLOTS: usize = u16::MAX as usize;
+pub(crate) const MAX_SLOTS: usize = u16::MAX as usize;
 
 /// What names are resolved from.
 pub(crate) struct Input<'a> {

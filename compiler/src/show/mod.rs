@@ -13,7 +13,7 @@ use excerpt::{Excerpts, escaped};
 pub use json::{show_json, show_json_sentence};
 
 /// How many problems are shown.
-const MOST: usize = 100;
+pub(crate) const MOST_SHOWN: usize = 100;
 
 /// Puts problems into the order of the text, each once.
 pub fn sort(problems: &mut Vec<Problem>) {
@@ -38,8 +38,8 @@ pub fn show(problems: &[Problem], sources: &Sources, color: bool) -> String {
 fn chosen(problems: &[Problem]) -> (Vec<&Problem>, usize) {
     let mut chosen = Vec::new();
     let errors = problems.iter().filter(|it| it.is_error()).count();
-    let mut warnings_left = MOST.saturating_sub(errors);
-    let mut errors_left = MOST;
+    let mut warnings_left = MOST_SHOWN.saturating_sub(errors);
+    let mut errors_left = MOST_SHOWN;
     let mut hidden = 0;
     for problem in problems {
         let left = if problem.is_error() { &mut errors_left } else { &mut warnings_left };

@@ -195,7 +195,7 @@ fn singular(kind: TransformKind, values: &[f64]) -> (&'static str, &'static str)
     }
 }
 
-fn limit_code(limit: Limit) -> &'static str {
+pub(crate) fn limit_code(limit: Limit) -> &'static str {
     match limit {
         Limit::Depth => "E0911",
         Limit::Calls => "E0912",

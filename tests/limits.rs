@@ -1,0 +1,97 @@
+//! Every limit of the runtime, at its last number that is enough and at one less.
+
+#![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::compiled;
+use treegen_compiler::{Loaded, NoFiles, Options, allow, compile, problem_of_fault};
+use treegen_runtime::Limits;
+use treegen_runtime::picture::{RenderOptions, render};
+use treegen_runtime::trace::cells::{CellTracer, Culling};
+use treegen_runtime::trace::reference::Reference;
+
+/// What a small picture comes to under a limit: `fine`, or the code of the first error.
+fn outcome(text: &str, name: &str, value: u64, by_the_book: bool) -> String {
+    let mut limits = Limits::default();
+    allow(&mut limits, name, value).expect(name);
+    let main = Loaded { name: "test.tg".into(), text: text.into() };
+    let made = compile(main, &NoFiles, &Options { limits, ..Options::default() });
+    let Some(scene) = &made.scene else {
+        let error = made.problems.iter().find(|it| it.is_error());
+        return error.map_or("no scene", |it| it.code).to_owned();
+    };
+    let options = RenderOptions { size: Some((16, 12)), samples: Some(1), ..RenderOptions::default() };
+    let picture = if by_the_book {
+        render(scene, &Reference::new(scene, &limits), &options, &())
+    } else {
+        CellTracer::new(scene, &limits, Culling::State).and_then(|it| render(scene, &it, &options, &()))
+    };
+    match picture {
+        Ok(_) => "fine".to_owned(),
+        Err(fault) => problem_of_fault(&fault, &made.vocabulary).code.to_owned(),
+    }
+}
+
+/// Fails unless `most` is enough and one less is not.
+#[track_caller]
+fn assert_limit(name: &str, most: u64, code: &str, text: &str, by_the_book: bool) {
+    assert!(compiled(text).scene.is_some(), "{text}");
+    let outcomes = [most - 1, most, most + 1].map(|it| outcome(text, name, it, by_the_book));
+    assert_eq!(outcomes, [code, "fine", "fine"], "{name} = {most} for {text}");
+}
+
+#[test]
+fn what_a_program_takes_is_enough_and_one_less_is_not() {
+    for by_the_book in [false, true] {
+        assert_limit("repeat", 7, "E0914", "csg A { start repeat 7 as i { move(i, 0, 0) box }; }", by_the_book);
+        let row = "csg A { start repeat 3 as i { repeat 4 as j { move(i, j, 0) box } }; }";
+        // Three rows, and four in each.
+        assert_limit("repeat", 15, "E0914", row, by_the_book);
+        let lists = "let a = [1, 2, 3]; csg A { start uscale(count([a, a])) box; }";
+        assert_limit("list", 8, "E0915", lists, by_the_book);
+        let sum = "fn sum(n) = if n == 0 then 0 else n + sum(n - 1); csg A { start uscale(sum(9)) box; }";
+        assert_limit("calls", 10, "E0912", sum, by_the_book);
+        let plant = "shape A { start a(6); a(n) if n > 0 -> segment(1, .1, .1) [ rotx(9) b ] a(n - 1); b -> nothing; }";
+        assert_limit("segments", 6, "E0924", plant, by_the_book);
+        assert_limit("rules", 12, "E0922", plant, by_the_book);
+        let fork =
+            "shape A { start a(3); a(n) if n > 0 -> segment(1, .1, .1) [ rotx(30) a(n - 1) ] [ rotx(-30) a(n - 1) ]; }";
+        assert_limit("segments", 7, "E0924", fork, by_the_book);
+    }
+}
+
+#[test]
+fn a_lower_limit_never_makes_what_was_refused_pass() {
+    let programs = [
+        ("depth", "csg A { start a(30); a(n) if n == 0 -> box; a(n) -> sphere | move(.1, 0, 0) a(n - 1); }"),
+        ("operations", "fn f(n) = if n == 0 then 0 else n + f(n - 1); csg A { start uscale(f(20)) box; }"),
+        (
+            "parts",
+            "csg A { start box | sphere | move(2, 0, 0) box | move(3, 0, 0) sphere | repeat 9 as i { move(i, 2, 0) box }; }",
+        ),
+        (
+            "modules",
+            "shape A { start a(4); a(n) if n > 0 -> segment(1, .1, .1) [ rotx(30) a(n - 1) ] [ rotx(-30) a(n - 1) ]; }",
+        ),
+        ("strides", "shape A { start a(9); a(n) if n > 0 -> segment(1, .1, .1) rotx(3) a(n - 1); }"),
+        ("steps", "csg A { start repeat 30 as i { move(i, 0, 0) box }; }"),
+        ("intervals", "csg A { start box & (repeat 30 as i { move(0, i * .05 - .8, 0) scale(2, .01, 2) box }); }"),
+    ];
+    for (name, text) in programs {
+        let mut is_fine = false;
+        let mut codes = std::collections::BTreeSet::new();
+        let most = match name {
+            "depth" => 10_000,
+            _ => 100_000,
+        };
+        for value in [1, 6, 40, 300, most] {
+            // The tracer by the book counts neither steps nor intervals.
+            let found = outcome(text, name, value, name != "steps" && name != "intervals");
+            assert!(!is_fine || found == "fine", "{name} = {value}: {found}");
+            is_fine = found == "fine";
+            codes.extend((!is_fine).then_some(found));
+        }
+        assert!(is_fine && codes.len() == 1 && codes.iter().all(|it| it.starts_with("E09")), "{name}: {codes:?}");
+    }
+}

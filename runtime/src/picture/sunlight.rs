@@ -41,7 +41,7 @@ struct Owner {
 }
 
 /// How many shadow beams the fragments of one ray have at most.
-const LAYERS: f64 = 4.0;
+const LAYERS: f64 = 2.0;
 
 /// How soon light comes to a bumped surface that turns towards it.
 const DAWN: f64 = 8.0;

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::ask::{Ask, Mark, NONE};
 use super::boxes::{BoxRay, lanes_of};
-use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref, Union};
+use super::cell::{Boolean, Cell, Grain, Instance, Leaf, Named, Ref, Union};
 use super::deep::deeper;
 use super::ray::{Local, Steps};
 use super::store::Generation;
@@ -175,11 +175,11 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels, unit };
         let range = (steps.inwards(range.0), steps.inwards(range.1));
         let tolerance = steps.length_inwards(tolerance);
-        let line = match store.cell(generation, instance.state).map_err(led)? {
+        let line = match store.cell(generation, instance.state, Grain::Fine).map_err(led)? {
             Some(cell) => self.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?,
             None => {
                 let apart = generation.apart(instance.state);
-                let Some(cell) = store.cell(&apart, super::ROOT).map_err(led)? else {
+                let Some(cell) = store.cell(&apart, super::ROOT, Grain::Fine).map_err(led)? else {
                     return Ok(Line::empty());
                 };
                 let mut pieces = Pieces { tracing: self.tracing, generation: &apart, ask: &mut *self.ask };

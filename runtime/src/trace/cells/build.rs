@@ -12,7 +12,7 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3};
 
 use super::bvh::{self, Boxed, area};
-use super::cell::{Boolean, Cell, Frame, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
+use super::cell::{Boolean, COARSE_SIDE, Cell, Frame, Grain, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
 use super::store::{Generation, Store, led_by};
@@ -36,10 +36,10 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// What fails in expanding what is in the state, or in finding how far it reaches.
-pub(super) fn build(store: &Store, generation: &Generation, number: u32) -> Result<Cell, Fault> {
+pub(super) fn build(store: &Store, generation: &Generation, number: u32, grain: Grain) -> Result<Cell, Fault> {
     let mut shop = store.workshop();
     let state = shop.number_of(&generation.state(number));
-    let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
+    let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state, grain)?;
     lay_out(&mut shop, generation, state, drafts)
 }
 
@@ -290,8 +290,8 @@ impl Ord for Candidate {
 }
 
 impl Merge<'_, '_, '_> {
-    fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
-        let Measure { enough, most, .. } = self.shop.measure(state);
+    fn run(mut self, state: u32, grain: Grain) -> Result<Vec<Draft>, Fault> {
+        let Measure { enough, most, .. } = self.shop.measure(state).of(grain);
         let top = self.open(state, Way::START)?;
         let mut members = top.len();
         let mut merged = 0;
@@ -420,11 +420,12 @@ impl Layout<'_, '_, '_> {
         let bounds = self.shop.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
         let own = self.frame.inwards(&bounds);
         let side = if own.is_finite() { (own.max - own.min).max_element() } else { f64::INFINITY };
+        let coarse = if self.shop.is_worth_a_coarse_cell(state)? { side * COARSE_SIDE } else { f64::INFINITY };
         let frame = self.shop.frame(state)?;
         let state = self.shop.state(state);
         let hyper = self.shop.store.hyper.as_ref().map(|it| Box::new(grown(&frame.inwards(&it.of(state.entry)))));
         let state = self.generation.number(&state);
-        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side, hyper });
+        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side, coarse, hyper });
         Ok((member, bounds))
     }
 

@@ -18,6 +18,44 @@ use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
 use crate::trace::Route;
 
+/// How far a state is merged with those in it.
+///
+/// Rays that are nearly as wide as a state end in what is a little smaller than that, so they go through a cell of few members.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Grain {
+    /// As far as it makes rays fast.
+    Fine,
+    /// So far that most of its members are [`COARSE_SIDE`] of its size or smaller.
+    Coarse,
+}
+
+/// How wide a beam is, in parts of a state's size, that goes through its coarse cell.
+pub(super) const COARSE_SIDE: f64 = 0.25;
+
+/// The bits of a number on the way to a hit that are the number of a part; those above say into which cell of it the ray went.
+pub(super) const PART: u32 = (1 << 24) - 1;
+/// What is added to the number of a part where a ray went into its coarse cell.
+const COARSE: u32 = 1 << 24;
+/// What is added to the number of a part where a ray went into the solid that stands for it.
+pub(super) const ENDED: u32 = 1 << 25;
+
+impl Grain {
+    /// What is added to the number of a part.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u32 {
+        match self {
+            Self::Fine => 0,
+            Self::Coarse => COARSE,
+        }
+    }
+
+    /// The grain that a number on the way to a hit tells of.
+    #[inline(always)]
+    pub(super) fn noted(number: u32) -> Self {
+        if number & COARSE == 0 { Self::Fine } else { Self::Coarse }
+    }
+}
+
 /// A state expanded and merged.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
@@ -176,6 +214,8 @@ pub(super) struct Instance {
     /// does not end.
     pub(super) bounds: Aabb,
     pub(super) side: f64,
+    /// Beams that are wider than this, in this cell's unit, go through the coarse cell.
+    pub(super) coarse: f64,
     /// In the inner cell's own frame, a box around all that the state's module ever stands for, if that is what is looked at.
     pub(super) hyper: Option<Box<Aabb>>,
 }
@@ -220,6 +260,12 @@ pub(super) struct Frame {
 }
 
 impl Instance {
+    /// The grain of the cell in it that a ray starts in whose start in the outer cell has this number; none if it starts elsewhere.
+    #[inline(always)]
+    pub(super) fn starts_in(&self, from: u32) -> Option<Grain> {
+        (from & (PART | ENDED) == self.part).then(|| Grain::noted(from))
+    }
+
     /// Whether a ray of the inner cell's own frame misses the box that is looked at before going in.
     #[inline(always)]
     pub(super) fn is_missed(&self, inner: &Local) -> bool {

@@ -185,6 +185,10 @@ impl Reach {
 
     fn meet(&mut self, shop: &mut Workshop, state: u32, direction: DVec3, offset: f64) -> Result<(), Fault> {
         let most = offset + shop.reach(state, direction)?;
+        if most > self.best && shop.is_vast(state)? {
+            // Something of it lies in its bounds, if anything. Its primitives may be without end, and never found.
+            self.best = self.best.max((offset - shop.reach(state, -direction)?).min(most));
+        }
         if most > self.best && shop.is_rare(state) && shop.has_small_parts(state)? {
             // To look into it would take as long as to make what is in it, and that is of use once only.
             self.best = most;

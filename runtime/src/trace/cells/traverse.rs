@@ -4,12 +4,12 @@
 //! is in. Only cells that are not kept, and Booleans, call for a search inside the search.
 
 use super::ROOT;
-use super::ask::{Ask, Event, Mark, NONE, Question};
+use super::ask::{Ask, Event, Mark, NONE, Question, Veil};
 use super::boolean::{Pieces, Place};
 use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
-use super::cell::{Boolean, Cell, Instance, Leaf, LeafShape, Named, Ref};
+use super::cell::{Boolean, Cell, ENDED, Grain, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
-use super::ending::{ENDED, Met as Ended, ending, veil};
+use super::ending::{Met as Ended, ending, veil};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
@@ -297,23 +297,30 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         };
         let position = passage.position + 1;
         let (state, called, levels) = (instance.state, part.origin, passage.levels + part.levels);
-        if instance.side * passage.unit < ask.girth.at(ray.start()) {
+        let girth = ask.girth.at(ray.start());
+        if instance.side * passage.unit < girth {
             return self.end(ask, instance, &ray, boxes);
         }
         if instance.is_missed(&ray) {
             return Ok(None);
         }
-        let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
-        let trail = ask.notes.trails.on(passage.trail, instance.part);
+        let grain = match instance.starts_in(passage.from) {
+            Some(grain) => grain,
+            None if instance.coarse * passage.unit < girth => Grain::Coarse,
+            None => Grain::Fine,
+        };
+        let number = instance.part | grain.bits();
+        let from = if passage.from == number { ask.start_part(position as usize) } else { NONE };
+        let trail = ask.notes.trails.on(passage.trail, number);
         let unit = passage.unit * instance.way.unit;
         let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit };
-        let cell = match self.generation.kept(state) {
+        let cell = match self.generation.kept(state, grain) {
             Some(cell) => Some(cell),
-            None => self.made(state, called)?,
+            None => self.made((state, grain), called)?,
         };
         match cell {
             Some(cell) => self.enter(ask, Start { cell, passage }),
-            None => self.apart(ask, passage).map(|()| None),
+            None => self.apart(ask, passage, grain).map(|()| None),
         }
     }
 
@@ -328,8 +335,10 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let cell = match ending(self.tracing, self.generation, instance.state, part.origin, ask)? {
             Ended::Solid(cell) => cell,
             looks => {
-                if passage.from != instance.part {
-                    look_at(ask, instance, passage.trail, &passage.ray, ray, &looks);
+                if passage.from != instance.part
+                    && let Some(veil) = look_at(ask.ray, instance, passage.trail, (&passage.ray, ray), &looks)
+                {
+                    ask.veil(veil);
                 }
                 return Ok(None);
             }
@@ -352,20 +361,20 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// A cell that is not there yet; none if there is no room to keep it.
     #[cold]
     #[inline(never)]
-    fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
+    fn made(&self, (state, grain): (u32, Grain), called: Origin) -> Result<Option<&'g Cell>, Stop> {
         let store = self.tracing.store;
-        let made = store.cell(self.generation, state);
+        let made = store.cell(self.generation, state, grain);
         made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(self.generation, state, called)))))
     }
 
     /// Goes through a cell that there is no room to keep.
     #[cold]
     #[inline(never)]
-    fn apart(&self, ask: &mut Ask, passage: Passage) -> Result<(), Stop> {
+    fn apart(&self, ask: &mut Ask, passage: Passage, grain: Grain) -> Result<(), Stop> {
         let Passage { state, called, .. } = passage;
         let (store, apart) = (self.tracing.store, self.generation.apart(state));
         let led = |fault| led_by(fault, std::iter::once(store.step(self.generation, state, called)));
-        let Some(cell) = store.cell(&apart, ROOT).map_err(led)? else {
+        let Some(cell) = store.cell(&apart, ROOT, grain).map_err(led)? else {
             return Ok(());
         };
         let start = Start { cell, passage: Passage { state: ROOT, ..passage } };
@@ -406,12 +415,18 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     }
 }
 
-/// What the looks of an instance say to the question.
-pub(super) fn look_at(ask: &mut Ask, instance: &Instance, trail: u32, outer: &Local, inner: &Local, looks: &Ended) {
-    let proxy = if let Ended::Looks(proxy) = looks { Some(&**proxy) } else { None };
-    if let Some((t, coverage)) = veil(instance, outer, inner, proxy) {
-        ask.veil(t, coverage, Mark { trail, part: instance.part, face: 0 });
-    }
+/// The veil that the looks of an instance are to a ray, which is given outside of it and inside.
+pub(super) fn look_at(
+    ray: u8,
+    instance: &Instance,
+    trail: u32,
+    (outer, inner): (&Local, &Local),
+    looks: &Ended,
+) -> Option<Veil> {
+    let proxy = looks.proxy();
+    let (t, coverage) = veil(instance, outer, inner, proxy)?;
+    let mark = Mark { trail, part: instance.part, face: 0 };
+    Some(Veil { ray, t, coverage, looks: proxy.map_or(0, |it| it.kind), mark })
 }
 
 /// What a leaf says to the question.

@@ -14,6 +14,7 @@ mod solid;
 mod stem;
 mod subdivide;
 mod surface;
+pub(crate) mod walk;
 
 pub use component::{Component, Instance, Instances, LeftOut, Mesh, Painted, Placed, WhatLeftOut};
 pub use model::mesh;

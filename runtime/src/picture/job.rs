@@ -14,9 +14,10 @@ use super::sampling::filter_offset;
 use super::shade::Shader;
 use super::tile::{Painter, Setting, Stop};
 use super::view::View;
-use super::{Layers, Picture, RayCounts, Rect, Watch};
+use super::{Eyes, Layers, Picture, RayCounts, Rect, Watch};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Camera, Origin, Scene};
+use crate::scan::Unshadowed;
 use crate::trace::Tracer;
 
 /// Renders what the view says.
@@ -24,13 +25,18 @@ pub(super) fn render(
     scene: &Scene,
     view: &View,
     camera: &Camera,
-    tracer: &dyn Tracer,
+    eyes: &Eyes<'_>,
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
     let rays = Rays::new(camera, view.width, view.height, view.detail);
-    let shader = Shader::new(scene, Lights::new(scene, &rays));
+    let lights = Lights::new(scene, &rays);
+    let (tracer, scanner): (&dyn Tracer, _) = match eyes {
+        Eyes::Trace(tracer) => (*tracer, None),
+        Eyes::Scan(scanner) => (&Unshadowed, Some(*scanner)),
+    };
+    let shader = Shader::new(scene, lights);
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
-    let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, watch };
+    let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, scanner, watch };
     let job = Job::new(setting, blank(view, scene));
     // Each of these takes tile after tile, so that buffers are made once a thread.
     (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());

@@ -1,0 +1,179 @@
+//! What is drawn: one component for each state of a scene, with what is in it in a tree of boxes.
+//!
+//! What the rules lay down many times is there once, and is drawn from there. So memory goes with the states, and time with what is laid
+//! down, of which there is a limit.
+
+use glam::DAffine3;
+
+use super::tree::Tree;
+use crate::fault::{Fault, Limit};
+use crate::form::{MaterialId, Origin, PrimitiveKind, Scene};
+use crate::geometry::{Aabb, Part, Primitive};
+use crate::limits::Limits;
+use crate::mesh::LeftOut;
+use crate::mesh::walk::{self, Maker, limit};
+use crate::picture::Watch;
+use crate::trace::{Item, Route, Solid};
+
+/// All components of a scene.
+#[derive(Debug)]
+pub(crate) struct Model {
+    // Invariant: each component stands after those that are laid down in it, and there is at least one: the last is the whole.
+    components: Vec<Component>,
+}
+
+/// What a state stands for, in its own frame.
+#[derive(Debug)]
+pub(crate) struct Component {
+    /// What is in it: first what ends, in the order of the tree, then what does not.
+    pub(crate) things: Vec<Thing>,
+    /// The boxes of what ends.
+    pub(crate) tree: Tree,
+    /// Around all in it that ends, and that ends in what is laid down in it.
+    bounds: Aabb,
+    /// How many primitives it stands for.
+    count: u64,
+}
+
+/// Something in a component.
+#[derive(Clone, Debug)]
+pub(crate) struct Thing {
+    pub(crate) outer_from_inner: DAffine3,
+    /// The innermost paint on the way, and the frame in which it stands if its look depends on that.
+    pub(crate) material: Option<MaterialId>,
+    pub(crate) outer_from_paint: Option<Box<DAffine3>>,
+    pub(crate) route: Route,
+    pub(crate) what: What,
+}
+
+/// What a [`Thing`] is.
+#[derive(Clone, Debug)]
+pub(crate) enum What {
+    /// A primitive, and its place in the text.
+    Primitive(Box<Primitive>, Origin),
+    /// The component of this number.
+    Component(usize),
+}
+
+impl Model {
+    /// The model of a scene, and what is not in it.
+    ///
+    /// # Errors
+    /// A fault of the scene, or a limit: `limits.triangles` is how many primitives may be drawn.
+    pub(crate) fn new(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<(Self, Vec<LeftOut>), Fault> {
+        let mut maker = Modeller { components: Vec::new(), stored: 0, limit: limits.triangles };
+        let left_out = walk::walk(scene, &mut maker, limits, watch)?;
+        Ok((Self { components: maker.components }, left_out))
+    }
+
+    /// The component of this number.
+    pub(crate) fn component(&self, number: usize) -> &Component {
+        &self.components[number]
+    }
+
+    /// The number of the component that is the whole.
+    pub(crate) fn whole(&self) -> usize {
+        self.components.len() - 1
+    }
+
+    /// How many primitives it stands for.
+    pub(crate) fn count(&self) -> u64 {
+        self.components[self.whole()].count
+    }
+}
+
+/// A component in the making.
+struct Making {
+    /// With their boxes, which may have no end.
+    things: Vec<(Aabb, Thing)>,
+    bounds: Aabb,
+    count: u64,
+}
+
+/// Makes components.
+struct Modeller {
+    components: Vec<Component>,
+    /// How many primitives are in all of them.
+    stored: u64,
+    limit: u64,
+}
+
+impl Maker for Modeller {
+    type Component = Making;
+
+    fn component(&self, _name: String, _is_system: bool) -> Making {
+        Making { things: Vec::new(), bounds: Aabb::EMPTY, count: 0 }
+    }
+
+    fn takes_stems(&self) -> bool {
+        false
+    }
+
+    fn stem(&mut self, _component: &mut Making, _parts: &[Part]) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn leaf(&mut self, component: &mut Making, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
+        let Solid::Leaf { primitive, origin } = &item.solid else { return Ok(None) };
+        self.stored += 1;
+        component.count += 1;
+        if self.stored.max(component.count) > self.limit {
+            return Err(limit(Limit::Triangles, self.limit, *origin));
+        }
+        let bounds = primitive.bounds().mapped(&item.group_from_item);
+        component.put(bounds, &bounds, thing(item, What::Primitive(Box::new(*primitive), *origin)));
+        Ok(None)
+    }
+
+    fn lay(&mut self, component: &mut Making, inner: usize, item: &Item) {
+        let made = &self.components[inner];
+        if made.things.is_empty() {
+            return;
+        }
+        component.count = component.count.saturating_add(made.count);
+        let ends = made.bounds.mapped(&item.group_from_item);
+        let bounds = if made.tree.items() == made.things.len() { ends } else { Aabb::ALL };
+        component.put(bounds, &ends, thing(item, What::Component(inner)));
+    }
+
+    fn done(&mut self, component: Making) -> Result<(), Fault> {
+        if component.count > self.limit {
+            return Err(limit(Limit::Triangles, self.limit, Origin::NONE));
+        }
+        self.components.push(component.whole());
+        Ok(())
+    }
+}
+
+impl Making {
+    /// Adds a thing with its box; `ends` is around what of it ends.
+    fn put(&mut self, bounds: Aabb, ends: &Aabb, thing: Thing) {
+        if bounds.is_empty() {
+            return;
+        }
+        if ends.is_finite() && !ends.is_empty() {
+            self.bounds = self.bounds.union(ends);
+        }
+        self.things.push((bounds, thing));
+    }
+
+    fn whole(self) -> Component {
+        let (ending, endless): (Vec<_>, Vec<_>) = self.things.into_iter().partition(|it| it.0.is_finite());
+        let boxes: Vec<Aabb> = ending.iter().map(|it| it.0).collect();
+        let (tree, order) = Tree::new(&boxes);
+        let mut ending: Vec<Option<Thing>> = ending.into_iter().map(|it| Some(it.1)).collect();
+        let mut things: Vec<Thing> = order.iter().filter_map(|it| ending[*it as usize].take()).collect();
+        things.extend(endless.into_iter().map(|it| it.1));
+        Component { things, tree, bounds: self.bounds, count: self.count }
+    }
+}
+
+fn thing(item: &Item, what: What) -> Thing {
+    Thing {
+        outer_from_inner: item.group_from_item,
+        material: item.material,
+        outer_from_paint: item.group_from_paint.clone(),
+        route: item.route,
+        what,
+    }
+}

@@ -1,0 +1,46 @@
+//! Drawing primitives exactly: the rays through the samples of their outline meet them as those of the ray tracer do.
+//!
+//! So outline, depth and normals are those of the traced picture, and what is round is round.
+
+use super::frame::{Frame, Piece, Shape};
+use super::outline::{Outline, between};
+use super::tour::Met;
+use crate::geometry::{Crossing, Primitive, Ray};
+
+/// Draws a primitive.
+pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>) {
+    let own_from_world = met.world_from_own.inverse();
+    let projection = *frame.projection();
+    let outline = Outline::new(&met.primitive.bounds(), &met.world_from_own, &projection);
+    let fan = projection.fan(&own_from_world);
+    let piece = frame.next_piece();
+    let mut is_seen = false;
+    for number in 0..frame.grids() {
+        let mut grid = frame.grid(number);
+        let first = grid.at(0, 0);
+        let (top, bottom) = between(outline.rows(), first.y, grid.rect.height);
+        for row in top..bottom {
+            let y = grid.at(0, row).y;
+            let (left, right) = between(outline.columns(y), first.x, grid.rect.width);
+            for column in left..right {
+                if let Some(Crossing { t, face }) = first_met(met.primitive, &fan.ray(grid.at(column, row))) {
+                    is_seen |= grid.put(column, row, t, piece, face);
+                }
+            }
+        }
+    }
+    if is_seen {
+        let shape = Shape::Primitive(*met.primitive, Box::new(own_from_world));
+        frame.say(Piece { look: met.look, shape });
+    }
+}
+
+/// Where a ray meets a primitive first: where it comes in, or from inside where it goes out.
+fn first_met(primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
+    if !primitive.is_solid() {
+        return primitive.crossing(ray, None).filter(|it| it.t > 0.0);
+    }
+    let chords = primitive.chords(ray, None);
+    let ends = chords.iter().flat_map(|it| [it.near, it.far]);
+    ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
+}

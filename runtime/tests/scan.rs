@@ -8,7 +8,7 @@ use common::{Builder, Dice, is_steady, numbers, slot_and};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use treegen_runtime::form::{
-    Background, BinaryOp, Camera, Lens, Material, NodeId, PrimitiveKind, Scene, Sky, Slot, TransformKind,
+    Background, BinaryOp, Camera, Lens, Material, NodeId, PrimitiveKind, Scene, Sky, Slot, Sun, TransformKind,
 };
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::picture::{self, Picture, RenderOptions};
@@ -37,7 +37,7 @@ fn plain() -> RenderOptions {
 }
 
 fn camera(dice: &mut Dice, lens: Lens) -> Camera {
-    let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-0.2, 1.0)).normalize();
+    let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(0.0, 1.0)).normalize();
     Camera { eye: way * 5.0, target: DVec3::ZERO, up: DVec3::Z, lens }
 }
 
@@ -153,6 +153,57 @@ proptest! {
         compare(&scattered(seed, Lens::Perspective(40.0))).map_err(TestCaseError::fail)?;
         compare(&scattered(seed, Lens::Orthographic(4.0))).map_err(TestCaseError::fail)?;
     }
+}
+
+/// Boxes and balls on and above a ground, in a sun, seen from above or from aside.
+fn shadowed(seed: u64, lens: Lens) -> Scene {
+    let mut dice = Dice(seed);
+    let mut b = Builder::default();
+    let mut parts: Vec<NodeId> = (0..6)
+        .map(|number| {
+            let kind = if number % 3 == 0 { PrimitiveKind::Sphere } else { PrimitiveKind::Box };
+            let leaf = b.primitive(kind, &[]);
+            placed(&mut dice, &mut b, leaf)
+        })
+        .collect();
+    parts.push(b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]));
+    let start = b.union(&parts);
+    let mut scene = b.scene(start);
+    let direction = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), -1.0);
+    scene.suns = vec![Sun { direction, color: [1.0; 3], strength: 1.0, size: 0.0 }];
+    scene.camera = Some(camera(&mut dice, lens));
+    scene
+}
+
+/// Whether all pixels around one are the same in a picture, but for the slow change of shading over a surface.
+fn is_even(picture: &Picture, pixel: usize, around: usize) -> bool {
+    let (x, y, side) = (pixel % SIDE as usize, pixel / SIDE as usize, SIDE as usize);
+    let columns = x.saturating_sub(around)..(x + around + 1).min(side);
+    let rows = y.saturating_sub(around)..(y + around + 1).min(side);
+    let mut near = rows.flat_map(|row| columns.clone().map(move |column| row * side + column));
+    near.all(|it| picture.color[it].iter().zip(&picture.color[pixel]).all(|(a, b)| (a - b).abs() < 0.06))
+}
+
+/// A map has two texels in a pixel, and three by three of them are looked at: the edge of a shadow is that wide, and on a slant wider.
+#[test]
+fn shadows_are_those_of_rays_but_for_a_band_along_their_edges() {
+    let (mut compared, mut dark, mut different) = (0, 0, 0);
+    for seed in 0..24 {
+        for lens in [Lens::Perspective(40.0), Lens::Orthographic(4.0)] {
+            let scene = shadowed(seed, lens);
+            let (seen, found) = (traced(&scene, &plain()), drawn(&scene, &plain()));
+            let unlit = drawn(&Scene { suns: Vec::new(), sky: Some(Sky::default()), ..scene.clone() }, &plain());
+            for pixel in (0..seen.color.len()).filter(|it| is_even(&seen, *it, 3)) {
+                let differs = seen.color[pixel].iter().zip(&found.color[pixel]).any(|(a, b)| (a - b).abs() > 0.02);
+                compared += 1;
+                different += u32::from(differs);
+                dark += u32::from(seen.color[pixel] == unlit.color[pixel]);
+            }
+        }
+    }
+    // A few are where the sun grazes a face, or beside an edge that is outside of the picture.
+    assert!(different * 2000 < compared, "{different} of {compared} pixels differ");
+    assert!(compared > 40_000 && dark > 2_000, "{compared} pixels are away from edges, {dark} of them in shadows");
 }
 
 #[test]

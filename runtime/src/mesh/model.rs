@@ -49,7 +49,7 @@ impl Maker for Mesher {
     }
 
     fn leaf(&mut self, component: &mut Component, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
-        let Solid::Leaf { primitive, origin } = &item.solid else { return Ok(None) };
+        let Solid::Leaf { primitive, origin, .. } = &item.solid else { return Ok(None) };
         let Some(surface) = solid::mesh(primitive) else { return Ok(Some(primitive.kind())) };
         self.budget.spend(surface.triangles().len() as u64, *origin)?;
         component.painted.surface(item.material).add(&surface, &Mapping::new(&item.group_from_item));

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::camera::Rays;
@@ -17,7 +17,7 @@ use super::view::View;
 use super::{Eyes, Layers, Picture, RayCounts, Rect, Watch};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Camera, Origin, Scene};
-use crate::scan::Unshadowed;
+use crate::scan::Shadows;
 use crate::trace::Tracer;
 
 /// Renders what the view says.
@@ -30,9 +30,14 @@ pub(super) fn render(
 ) -> Result<Picture, Fault> {
     let rays = Rays::new(camera, view.width, view.height, view.detail);
     let lights = Lights::new(scene, &rays);
+    let shadows;
     let (tracer, scanner): (&dyn Tracer, _) = match eyes {
         Eyes::Trace(tracer) => (*tracer, None),
-        Eyes::Scan(scanner) => (&Unshadowed, Some(*scanner)),
+        Eyes::Scan(scanner) => {
+            let suns: Vec<DVec3> = lights.suns.iter().map(|it| it.toward).collect();
+            shadows = Shadows::new(scanner, &suns, &rays.projection(), watch);
+            (&shadows, Some(*scanner))
+        }
     };
     let shader = Shader::new(scene, lights);
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };

@@ -105,6 +105,11 @@ impl Frame {
         Grid { origin: self.offsets[number] + 0.5, rect: self.rect, samples }
     }
 
+    /// The depths of all samples, grid by grid and row by row.
+    pub(crate) fn depths(&self) -> impl Iterator<Item = f64> {
+        self.samples.iter().map(|it| it.depth)
+    }
+
     /// The number of the piece that is said next: samples may be given it before.
     pub(crate) fn next_piece(&self) -> u32 {
         self.pieces.len() as u32

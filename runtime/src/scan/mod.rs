@@ -8,10 +8,10 @@
 //! What cannot be drawn is left out and told of: Booleans, and recursions without an end, since nothing ends them at the pixel.
 
 mod frame;
-mod light;
 mod model;
 mod outline;
 mod projection;
+mod shadow;
 mod solid;
 mod tour;
 mod tree;
@@ -23,9 +23,10 @@ use crate::mesh::LeftOut;
 use crate::picture::Watch;
 
 pub(crate) use frame::Frame;
-pub(crate) use light::Unshadowed;
+use frame::{Piece, Shape};
 use model::Model;
 pub(crate) use projection::Projection;
+pub(crate) use shadow::Shadows;
 pub(crate) use tour::Tour;
 
 /// Draws a scene. What it makes of the scene serves for as many pictures as are wanted.
@@ -61,6 +62,11 @@ impl Scanner {
         let (low, high) = frame.reach();
         // Rounding moves no sample out of its own tile.
         let planes = projection.planes(low - 1e-6, high + 1e-6);
-        tour.go(&self.model, &projection, &planes, |met| solid::draw(frame, &met));
+        tour.go(&self.model, &projection, &planes, |met| {
+            if let Some(own_from_world) = solid::draw(frame, &met, solid::first_met) {
+                let shape = Shape::Primitive(*met.primitive, Box::new(own_from_world));
+                frame.say(Piece { look: met.look, shape });
+            }
+        });
     }
 }

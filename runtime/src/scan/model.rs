@@ -76,6 +76,11 @@ impl Model {
         self.components.len() - 1
     }
 
+    /// A box around all that ends.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.components[self.whole()].bounds
+    }
+
     /// How many primitives it stands for.
     pub(crate) fn count(&self) -> u64 {
         self.components[self.whole()].count
@@ -114,7 +119,7 @@ impl Maker for Modeller {
     }
 
     fn leaf(&mut self, component: &mut Making, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
-        let Solid::Leaf { primitive, origin } = &item.solid else { return Ok(None) };
+        let Solid::Leaf { primitive, origin, .. } = &item.solid else { return Ok(None) };
         self.stored += 1;
         component.count += 1;
         if self.stored.max(component.count) > self.limit {

@@ -2,13 +2,18 @@
 //!
 //! So outline, depth and normals are those of the traced picture, and what is round is round.
 
-use super::frame::{Frame, Piece, Shape};
+use glam::DAffine3;
+
+use super::frame::Frame;
 use super::outline::{Outline, between};
 use super::tour::Met;
 use crate::geometry::{Crossing, Primitive, Ray};
 
-/// Draws a primitive.
-pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>) {
+/// Where a ray meets a primitive, for who draws it.
+pub(crate) type Meeting = fn(&Primitive, &Ray) -> Option<Crossing>;
+
+/// Draws a primitive where it is met so, as the piece of the next number; gives the map to its own frame if any of it is seen.
+pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>, meeting: Meeting) -> Option<DAffine3> {
     let own_from_world = met.world_from_own.inverse();
     let projection = *frame.projection();
     let outline = Outline::new(&met.primitive.bounds(), &met.world_from_own, &projection);
@@ -23,24 +28,30 @@ pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>) {
             let y = grid.at(0, row).y;
             let (left, right) = between(outline.columns(y), first.x, grid.rect.width);
             for column in left..right {
-                if let Some(Crossing { t, face }) = first_met(met.primitive, &fan.ray(grid.at(column, row))) {
+                if let Some(Crossing { t, face }) = meeting(met.primitive, &fan.ray(grid.at(column, row))) {
                     is_seen |= grid.put(column, row, t, piece, face);
                 }
             }
         }
     }
-    if is_seen {
-        let shape = Shape::Primitive(*met.primitive, Box::new(own_from_world));
-        frame.say(Piece { look: met.look, shape });
-    }
+    is_seen.then_some(own_from_world)
 }
 
 /// Where a ray meets a primitive first: where it comes in, or from inside where it goes out.
-fn first_met(primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
+pub(crate) fn first_met(primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
     if !primitive.is_solid() {
         return primitive.crossing(ray, None).filter(|it| it.t > 0.0);
     }
     let chords = primitive.chords(ray, None);
     let ends = chords.iter().flat_map(|it| [it.near, it.far]);
     ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
+}
+
+/// The middle of the first stretch inside a primitive.
+pub(crate) fn middle_met(primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
+    if !primitive.is_solid() {
+        return primitive.crossing(ray, None);
+    }
+    let chord = *primitive.chords(ray, None).first()?;
+    Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face })
 }

@@ -30,6 +30,9 @@ pub(crate) struct Look {
     pub(crate) origin: Origin,
 }
 
+/// Planes with everything inside.
+const EVERYWHERE: [Plane; 5] = [Plane { normal: DVec3::ZERO, offset: 0.0 }; 5];
+
 /// Goes through models, and keeps its room from one tour to the next.
 #[derive(Debug, Default)]
 pub(crate) struct Tour {
@@ -76,18 +79,24 @@ impl Tour {
         planes: &[Plane; 5],
         mut each: impl FnMut(Met<'m>),
     ) {
+        self.travel(model, Site::whole(model, *planes, projection.forward), true, &mut each);
+    }
+
+    /// Goes to every primitive.
+    pub(crate) fn all<'m>(&mut self, model: &'m Model, mut each: impl FnMut(Met<'m>)) {
+        self.travel(model, Site::whole(model, EVERYWHERE, DVec3::ZERO), true, &mut each);
+    }
+
+    /// Goes to every primitive that has no end.
+    pub(crate) fn endless<'m>(&mut self, model: &'m Model, mut each: impl FnMut(Met<'m>)) {
+        self.travel(model, Site::whole(model, EVERYWHERE, DVec3::ZERO), false, &mut each);
+    }
+
+    /// Goes to every primitive that may be seen; without `ending` only to those without an end.
+    fn travel<'m>(&mut self, model: &'m Model, whole: Site, ending: bool, each: &mut impl FnMut(Met<'m>)) {
         self.ahead.clear();
         self.sites.clear();
-        let whole = Site {
-            component: model.whole(),
-            world_from_here: DAffine3::IDENTITY,
-            material: None,
-            world_from_paint: None,
-            route: Route::START,
-            planes: *planes,
-            forward: projection.forward,
-        };
-        self.open(model, whole);
+        self.open(model, whole, ending);
         while let Some(Ahead { site: number, what }) = self.ahead.pop() {
             // What is ahead is in this site or in one before it.
             self.sites.truncate(number as usize + 1);
@@ -105,20 +114,22 @@ impl Tour {
                 What::Primitive(primitive, origin) => each(site.met(thing, primitive, *origin)),
                 What::Component(inner) => {
                     let site = site.inner(thing, *inner);
-                    self.open(model, site);
+                    self.open(model, site, ending);
                 }
             }
         }
     }
 
     /// Opens a component.
-    fn open(&mut self, model: &Model, site: Site) {
+    fn open(&mut self, model: &Model, site: Site, ending: bool) {
         let component = model.component(site.component);
         let number = self.sites.len() as u32;
         self.sites.push(site);
         let endless = component.tree.items()..component.things.len();
         self.ahead.extend(endless.map(|it| Ahead { site: number, what: Next::Thing(it as u32) }));
-        self.ahead.push(Ahead { site: number, what: Next::Node(0) });
+        if ending {
+            self.ahead.push(Ahead { site: number, what: Next::Node(0) });
+        }
     }
 
     /// Looks into a node.
@@ -141,6 +152,18 @@ impl Tour {
 }
 
 impl Site {
+    fn whole(model: &Model, planes: [Plane; 5], forward: DVec3) -> Self {
+        Self {
+            component: model.whole(),
+            world_from_here: DAffine3::IDENTITY,
+            material: None,
+            world_from_paint: None,
+            route: Route::START,
+            planes,
+            forward,
+        }
+    }
+
     fn excludes(&self, bounds: &Aabb) -> bool {
         self.planes.iter().any(|it| it.excludes(bounds))
     }

@@ -242,6 +242,15 @@ pub trait Tracer: Sync {
     /// The fault of the lowest beam that meets one.
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault>;
 
+    /// The same for beams that start where surfaces have these normals, for whoever cannot tell a surface from its shadow without them.
+    ///
+    /// # Errors
+    /// As [`Tracer::light`].
+    fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let _ = normals;
+        self.light(beams, light)
+    }
+
     /// How much work each of the beams makes, one by one: the cells (for the walker by the book: the S-nodes) that it goes
     /// through. `work` is cleared, then holds one answer a beam.
     ///

@@ -169,7 +169,7 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     let pool = pool.build().map_err(|error| no_thread(&error))?;
     let traced = pool.install(|| match arguments.renderer {
         Renderer::Trace => trace(arguments, &program.scene, &limits, &options, progress),
-        Renderer::Scan => scan(&program.scene, &limits, &options, progress),
+        Renderer::Scan => scan(arguments, &program.scene, &limits, &options, progress),
     });
     let traced = traced.map_err(|fault| program.failure(&fault, console))?;
     program.warn_of(&traced.left_out, console);
@@ -207,9 +207,15 @@ fn trace(
     Ok(Traced { counts: Some(tracer.counts()), ..traced })
 }
 
-fn scan(scene: &Scene, limits: &Limits, options: &RenderOptions, progress: &Progress) -> Result<Traced, Fault> {
+fn scan(
+    arguments: &Render,
+    scene: &Scene,
+    limits: &Limits,
+    options: &RenderOptions,
+    progress: &Progress,
+) -> Result<Traced, Fault> {
     let start = Instant::now();
-    let scanner = Scanner::new(scene, limits, progress)?;
+    let scanner = Scanner::new(scene, arguments.surface.into(), limits, progress)?;
     let drawn = timed(start, || picture::scan(scene, &scanner, limits, options, progress))?;
     Ok(Traced { left_out: scanner.left_out().to_vec(), ..drawn })
 }

@@ -11,6 +11,7 @@ use treegen_runtime::form::{
     Background, BinaryOp, Camera, Lens, Material, NodeId, PrimitiveKind, Scene, Sky, Slot, Sun, TransformKind,
 };
 use treegen_runtime::geometry::Ray;
+use treegen_runtime::mesh::StemSurface;
 use treegen_runtime::picture::{self, Picture, RenderOptions};
 use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -21,7 +22,7 @@ const SIDE: u32 = 48;
 
 fn drawn(scene: &Scene, options: &RenderOptions) -> Picture {
     let limits = Limits::default();
-    let scanner = Scanner::new(scene, &limits, &()).expect("these scenes have no faults");
+    let scanner = Scanner::new(scene, StemSurface::Cones, &limits, &()).expect("these scenes have no faults");
     picture::scan(scene, &scanner, &limits, options, &()).expect("these scenes have no faults")
 }
 
@@ -229,13 +230,14 @@ fn tiles_crops_and_threads_change_no_byte() {
 #[test]
 fn more_primitives_than_the_limit_are_an_error_before_anything_is_drawn() {
     let limits = Limits { triangles: 4095, ..Limits::default() };
-    let fault = Scanner::new(&common::sierpinski(6.0), &limits, &()).unwrap_err();
+    let fault = Scanner::new(&common::sierpinski(6.0), StemSurface::Cones, &limits, &()).unwrap_err();
     assert_eq!(fault.kind, FaultKind::Limit { limit: Limit::Triangles, most: 4095 });
     assert_eq!(fault.trail.first().map(|it| it.name.as_str()), Some("scene"));
-    let scanner = Scanner::new(&common::sierpinski(6.0), &Limits { triangles: 4096, ..limits }, &()).unwrap();
+    let scanner =
+        Scanner::new(&common::sierpinski(6.0), StemSurface::Cones, &Limits { triangles: 4096, ..limits }, &()).unwrap();
     assert_eq!(scanner.primitives(), 4096);
     // 4^40 would take for ever to count one by one.
-    assert!(Scanner::new(&common::sierpinski(40.0), &limits, &()).is_err());
+    assert!(Scanner::new(&common::sierpinski(40.0), StemSurface::Cones, &limits, &()).is_err());
 }
 
 #[test]
@@ -244,6 +246,6 @@ fn what_cannot_be_drawn_is_told_of() {
     let (ball, cube) = (b.primitive(PrimitiveKind::Sphere, &[]), b.primitive(PrimitiveKind::Box, &[]));
     let both = b.add(treegen_runtime::form::Node::Intersect([ball, cube].into()));
     let start = b.union(&[both, ball]);
-    let scanner = Scanner::new(&b.scene(start), &Limits::default(), &()).unwrap();
+    let scanner = Scanner::new(&b.scene(start), StemSurface::Cones, &Limits::default(), &()).unwrap();
     assert_eq!((scanner.left_out().len(), scanner.primitives()), (1, 1));
 }

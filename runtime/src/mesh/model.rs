@@ -5,13 +5,12 @@
 use super::component::{Component, Mesh, Placed};
 use super::surface::Mapping;
 use super::walk::{self, Maker, limit};
-use super::{StemSurface, merge, solid, stem};
+use super::{StemSurface, merge, solid};
 use crate::fault::{Fault, Limit};
 use crate::form::{Origin, PrimitiveKind, Scene};
-use crate::geometry::Part;
 use crate::limits::Limits;
 use crate::picture::Watch;
-use crate::trace::{Item, Solid};
+use crate::trace::{Item, Solid, WholeStem};
 
 /// The mesh of a scene, empty if nothing in it has one; the limits say how many triangles all its components may have, and at how many places they may be.
 ///
@@ -42,10 +41,11 @@ impl Maker for Mesher {
         true
     }
 
-    fn stem(&mut self, component: &mut Component, parts: &[Part]) -> Result<(), Fault> {
+    fn stem(&mut self, component: &mut Component, stem: &WholeStem<'_>) -> Result<(), Fault> {
+        let parts = stem.parts;
         let origin = parts.first().map_or(Origin::NONE, |it| it.origin);
-        self.budget.fits(self.stems.least_triangles() * parts.len() as u64, origin)?;
-        self.budget.spend(stem::add(parts, self.stems, &mut component.painted), origin)
+        self.budget.fits(super::least_triangles(parts, self.stems), origin)?;
+        self.budget.spend(super::stem::add(parts, self.stems, &mut component.painted), origin)
     }
 
     fn leaf(&mut self, component: &mut Component, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {

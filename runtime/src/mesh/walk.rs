@@ -9,10 +9,9 @@ use super::component::{LeftOut, WhatLeftOut};
 use crate::export::Boolean;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{Origin, PrimitiveKind, Scene};
-use crate::geometry::Part;
 use crate::limits::Limits;
 use crate::picture::Watch;
-use crate::trace::{Entry, Expander, Group, Item, Solid, State};
+use crate::trace::{Entry, Expander, Group, Item, Solid, State, WholeStem};
 
 /// Someone who makes components of states.
 pub(crate) trait Maker {
@@ -26,7 +25,7 @@ pub(crate) trait Maker {
     fn takes_stems(&self) -> bool;
 
     /// Takes a stem.
-    fn stem(&mut self, component: &mut Self::Component, parts: &[Part]) -> Result<(), Fault>;
+    fn stem(&mut self, component: &mut Self::Component, stem: &WholeStem<'_>) -> Result<(), Fault>;
 
     /// Takes a primitive; gives its kind if it cannot be in a component.
     fn leaf(&mut self, component: &mut Self::Component, item: &Item) -> Result<Option<PrimitiveKind>, Fault>;
@@ -151,7 +150,7 @@ impl<M: Maker> Walk<'_, '_, M> {
         let mut component = self.maker.component(name, is_system);
         let group = if self.maker.takes_stems() {
             let maker = &mut *self.maker;
-            self.expander.expand_but_stems(state, &mut |parts: &[Part]| maker.stem(&mut component, parts))?
+            self.expander.expand_but_stems(state, &mut |stem| maker.stem(&mut component, stem))?
         } else {
             self.expander.expand(state)?
         };

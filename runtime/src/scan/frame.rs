@@ -5,11 +5,14 @@
 //! nearer than what is there, and says once what its surface is: a [`Piece`]. So what is hidden is never shaded, and whoever shades does not
 //! know who drew.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::projection::Projection;
 use super::tour::Look;
 use crate::geometry::Primitive;
+use crate::mesh::Surface;
 use crate::picture::Rect;
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
@@ -48,6 +51,8 @@ pub(crate) struct Piece {
 pub(crate) enum Shape {
     /// A primitive: normals are those of its faces.
     Primitive(Primitive, Box<DAffine3>),
+    /// Triangles: normals lie between those of their corners.
+    Surface(Arc<Surface>, Box<DAffine3>),
 }
 
 /// One grid of a frame, to be drawn into.
@@ -93,6 +98,11 @@ impl Frame {
         (low + least, low + size + most)
     }
 
+    /// The corner of the tile.
+    pub(crate) fn corner(&self) -> DVec2 {
+        DVec2::new(f64::from(self.rect.x), f64::from(self.rect.y))
+    }
+
     /// How many grids there are.
     pub(crate) fn grids(&self) -> usize {
         self.offsets.len()
@@ -130,7 +140,7 @@ impl Frame {
         {
             // Depths are measured along the axis, and beams have directions of length 1.
             let t = sample.depth / beam.ray.direction.dot(self.projection.forward);
-            piece.see(t, sample.face as u8, beam, seen);
+            piece.see(t, sample.face, beam, seen);
         }
         seen.end_ray();
     }
@@ -139,11 +149,11 @@ impl Frame {
 impl Grid<'_> {
     /// Draws a face of a piece at a sample, if it is nearer than what is there; says whether it is.
     #[inline]
-    pub(crate) fn put(&mut self, column: usize, row: usize, depth: f64, piece: u32, face: u8) -> bool {
+    pub(crate) fn put(&mut self, column: usize, row: usize, depth: f64, piece: u32, face: u32) -> bool {
         let sample = &mut self.samples[row * self.rect.width as usize + column];
         let is_nearer = depth > 0.0 && depth < sample.depth;
         if is_nearer {
-            *sample = Sample { depth, piece, face: u32::from(face) };
+            *sample = Sample { depth, piece, face };
         }
         is_nearer
     }
@@ -157,7 +167,7 @@ impl Grid<'_> {
 }
 
 impl Piece {
-    fn see(&self, t: f64, face: u8, beam: &Beam, seen: &mut Seen) {
+    fn see(&self, t: f64, face: u32, beam: &Beam, seen: &mut Seen) {
         let position = beam.ray.at(t);
         let normal = self.shape.normal(position, face, beam);
         seen.push(Fragment {
@@ -174,15 +184,19 @@ impl Piece {
 }
 
 impl Shape {
-    fn normal(&self, position: DVec3, face: u8, beam: &Beam) -> DVec3 {
-        match self {
+    fn normal(&self, position: DVec3, face: u32, beam: &Beam) -> DVec3 {
+        let (own, own_from_world, is_solid) = match self {
             Self::Primitive(primitive, own_from_world) => {
-                let own = primitive.normal(own_from_world.transform_point3(position), face);
-                let normal = DMat3::transpose(&own_from_world.matrix3) * own;
-                let normal = normal.try_normalize().unwrap_or(-beam.ray.direction);
-                let is_turned = !primitive.is_solid() && normal.dot(beam.ray.direction) > 0.0;
-                if is_turned { -normal } else { normal }
+                let own = primitive.normal(own_from_world.transform_point3(position), face as u8);
+                (own, own_from_world, primitive.is_solid())
             }
-        }
+            Self::Surface(surface, own_from_world) => {
+                let own = surface.normal(face as usize, own_from_world.transform_point3(position));
+                (own, own_from_world, true)
+            }
+        };
+        let normal = DMat3::transpose(&own_from_world.matrix3) * own;
+        let normal = normal.try_normalize().unwrap_or(-beam.ray.direction);
+        if !is_solid && normal.dot(beam.ray.direction) > 0.0 { -normal } else { normal }
     }
 }

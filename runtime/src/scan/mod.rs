@@ -7,6 +7,7 @@
 //!
 //! What cannot be drawn is left out and told of: Booleans, and recursions without an end, since nothing ends them at the pixel.
 
+mod draw;
 mod frame;
 mod model;
 mod outline;
@@ -15,19 +16,27 @@ mod shadow;
 mod solid;
 mod tour;
 mod tree;
+mod triangle;
 
 use crate::fault::Fault;
 use crate::form::Scene;
 use crate::limits::Limits;
-use crate::mesh::LeftOut;
+use crate::mesh::{LeftOut, StemSurface};
 use crate::picture::Watch;
 
+use draw::Drawer;
 pub(crate) use frame::Frame;
-use frame::{Piece, Shape};
 use model::Model;
 pub(crate) use projection::Projection;
 pub(crate) use shadow::Shadows;
-pub(crate) use tour::Tour;
+use tour::Tour;
+
+/// Room for drawing one tile after another.
+#[derive(Debug, Default)]
+pub(crate) struct Room {
+    tour: Tour,
+    drawer: Drawer,
+}
 
 /// Draws a scene. What it makes of the scene serves for as many pictures as are wanted.
 #[derive(Debug)]
@@ -37,12 +46,13 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// A scanner of a scene; `limits.triangles` is how many primitives it draws at most.
+    /// A scanner of a scene, with this surface for stems: cones are round. `limits.triangles` is how many primitives and triangles it draws at
+    /// most.
     ///
     /// # Errors
     /// A fault of the scene, or a limit.
-    pub fn new(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<Self, Fault> {
-        let (model, left_out) = Model::new(scene, limits, watch)?;
+    pub fn new(scene: &Scene, stems: StemSurface, limits: &Limits, watch: &dyn Watch) -> Result<Self, Fault> {
+        let (model, left_out) = Model::new(scene, stems, limits, watch)?;
         Ok(Self { model, left_out })
     }
 
@@ -51,22 +61,18 @@ impl Scanner {
         &self.left_out
     }
 
-    /// How many primitives it draws.
+    /// How many primitives and triangles it draws.
     pub fn primitives(&self) -> u64 {
         self.model.count()
     }
 
     /// Draws what is seen in a frame.
-    pub(crate) fn fill(&self, frame: &mut Frame, tour: &mut Tour) {
+    pub(crate) fn fill(&self, frame: &mut Frame, room: &mut Room) {
+        let Room { tour, drawer } = room;
         let projection = *frame.projection();
         let (low, high) = frame.reach();
         // Rounding moves no sample out of its own tile.
         let planes = projection.planes(low - 1e-6, high + 1e-6);
-        tour.go(&self.model, &projection, &planes, |met| {
-            if let Some(own_from_world) = solid::draw(frame, &met, solid::first_met) {
-                let shape = Shape::Primitive(*met.primitive, Box::new(own_from_world));
-                frame.say(Piece { look: met.look, shape });
-            }
-        });
+        tour.go(&self.model, &projection, &planes, |met| drawer.show(frame, &met));
     }
 }

@@ -3,17 +3,20 @@
 //! What the rules lay down many times is there once, and is drawn from there. So memory goes with the states, and time with what is laid
 //! down, of which there is a limit.
 
+use std::sync::Arc;
+
 use glam::DAffine3;
 
+use super::draw;
 use super::tree::Tree;
 use crate::fault::{Fault, Limit};
 use crate::form::{MaterialId, Origin, PrimitiveKind, Scene};
-use crate::geometry::{Aabb, Part, Primitive};
+use crate::geometry::{Aabb, Primitive};
 use crate::limits::Limits;
-use crate::mesh::LeftOut;
 use crate::mesh::walk::{self, Maker, limit};
+use crate::mesh::{self, LeftOut, StemSurface, Surface};
 use crate::picture::Watch;
-use crate::trace::{Item, Route, Solid};
+use crate::trace::{Item, Route, Solid, WholeStem};
 
 /// All components of a scene.
 #[derive(Debug)]
@@ -31,7 +34,7 @@ pub(crate) struct Component {
     pub(crate) tree: Tree,
     /// Around all in it that ends, and that ends in what is laid down in it.
     bounds: Aabb,
-    /// How many primitives it stands for.
+    /// How many primitives and triangles it stands for.
     count: u64,
 }
 
@@ -43,14 +46,16 @@ pub(crate) struct Thing {
     pub(crate) material: Option<MaterialId>,
     pub(crate) outer_from_paint: Option<Box<DAffine3>>,
     pub(crate) route: Route,
-    pub(crate) what: What,
+    pub(crate) holds: Holds,
 }
 
 /// What a [`Thing`] is.
 #[derive(Clone, Debug)]
-pub(crate) enum What {
+pub(crate) enum Holds {
     /// A primitive, and its place in the text.
     Primitive(Box<Primitive>, Origin),
+    /// Triangles, and the place in the text of what they are the surface of.
+    Surface(Arc<Surface>, Origin),
     /// The component of this number.
     Component(usize),
 }
@@ -60,8 +65,13 @@ impl Model {
     ///
     /// # Errors
     /// A fault of the scene, or a limit: `limits.triangles` is how many primitives may be drawn.
-    pub(crate) fn new(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<(Self, Vec<LeftOut>), Fault> {
-        let mut maker = Modeller { components: Vec::new(), stored: 0, limit: limits.triangles };
+    pub(crate) fn new(
+        scene: &Scene,
+        stems: StemSurface,
+        limits: &Limits,
+        watch: &dyn Watch,
+    ) -> Result<(Self, Vec<LeftOut>), Fault> {
+        let mut maker = Modeller { stems, components: Vec::new(), stored: 0, limit: limits.triangles };
         let left_out = walk::walk(scene, &mut maker, limits, watch)?;
         Ok((Self { components: maker.components }, left_out))
     }
@@ -81,7 +91,7 @@ impl Model {
         self.components[self.whole()].bounds
     }
 
-    /// How many primitives it stands for.
+    /// How many primitives and triangles it stands for.
     pub(crate) fn count(&self) -> u64 {
         self.components[self.whole()].count
     }
@@ -97,8 +107,9 @@ struct Making {
 
 /// Makes components.
 struct Modeller {
+    stems: StemSurface,
     components: Vec<Component>,
-    /// How many primitives are in all of them.
+    /// How many primitives and triangles are in all of them.
     stored: u64,
     limit: u64,
 }
@@ -111,22 +122,35 @@ impl Maker for Modeller {
     }
 
     fn takes_stems(&self) -> bool {
-        false
+        // Cones are drawn as what they are.
+        self.stems != StemSurface::Cones
     }
 
-    fn stem(&mut self, _component: &mut Making, _parts: &[Part]) -> Result<(), Fault> {
+    fn stem(&mut self, component: &mut Making, stem: &WholeStem<'_>) -> Result<(), Fault> {
+        let origin = stem.parts.first().map_or(Origin::NONE, |it| it.origin);
+        self.spend(component, mesh::least_triangles(stem.parts, self.stems), origin)?;
+        for (material, surface) in mesh::stem(stem.parts, self.stems).into_surfaces() {
+            let part = stem.parts.iter().position(|it| it.material == material);
+            let paint = part.and_then(|it| stem.group_from_paint.get(it).copied().flatten());
+            let origin = part.map_or(origin, |it| stem.parts[it].origin);
+            let bounds = draw::bounds(&surface);
+            let thing = Thing {
+                outer_from_inner: DAffine3::IDENTITY,
+                material,
+                outer_from_paint: paint.map(Box::new),
+                route: stem.route,
+                holds: Holds::Surface(Arc::new(surface), origin),
+            };
+            component.put(bounds, &bounds, thing);
+        }
         Ok(())
     }
 
     fn leaf(&mut self, component: &mut Making, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
         let Solid::Leaf { primitive, origin, .. } = &item.solid else { return Ok(None) };
-        self.stored += 1;
-        component.count += 1;
-        if self.stored.max(component.count) > self.limit {
-            return Err(limit(Limit::Triangles, self.limit, *origin));
-        }
+        self.spend(component, 1, *origin)?;
         let bounds = primitive.bounds().mapped(&item.group_from_item);
-        component.put(bounds, &bounds, thing(item, What::Primitive(Box::new(*primitive), *origin)));
+        component.put(bounds, &bounds, thing(item, Holds::Primitive(Box::new(*primitive), *origin)));
         Ok(None)
     }
 
@@ -138,7 +162,7 @@ impl Maker for Modeller {
         component.count = component.count.saturating_add(made.count);
         let ends = made.bounds.mapped(&item.group_from_item);
         let bounds = if made.tree.items() == made.things.len() { ends } else { Aabb::ALL };
-        component.put(bounds, &ends, thing(item, What::Component(inner)));
+        component.put(bounds, &ends, thing(item, Holds::Component(inner)));
     }
 
     fn done(&mut self, component: Making) -> Result<(), Fault> {
@@ -146,6 +170,18 @@ impl Maker for Modeller {
             return Err(limit(Limit::Triangles, self.limit, Origin::NONE));
         }
         self.components.push(component.whole());
+        Ok(())
+    }
+}
+
+impl Modeller {
+    /// Counts what is added to a component.
+    fn spend(&mut self, component: &mut Making, count: u64, origin: Origin) -> Result<(), Fault> {
+        self.stored = self.stored.saturating_add(count);
+        component.count = component.count.saturating_add(count);
+        if self.stored.max(component.count) > self.limit {
+            return Err(limit(Limit::Triangles, self.limit, origin));
+        }
         Ok(())
     }
 }
@@ -173,12 +209,12 @@ impl Making {
     }
 }
 
-fn thing(item: &Item, what: What) -> Thing {
+fn thing(item: &Item, holds: Holds) -> Thing {
     Thing {
         outer_from_inner: item.group_from_item,
         material: item.material,
         outer_from_paint: item.group_from_paint.clone(),
         route: item.route,
-        what,
+        holds,
     }
 }

@@ -5,21 +5,24 @@ use glam::{DAffine3, DVec2, DVec3};
 use super::projection::Projection;
 use crate::geometry::Aabb;
 
-/// The outline of a box that is turned, or the whole picture where it reaches behind the eye.
+/// The outline of a box or a triangle, or the whole picture where that reaches behind the eye.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outline {
     /// It may be seen anywhere.
     Everywhere,
-    /// It is seen between its corners: that of the number `x + 2 y + 4 z` has the greater coordinates where those are 1.
-    Box([DVec2; 8]),
+    /// It is seen between these corners; the edges around them are among these.
+    Corners([DVec2; 8], &'static [(usize, usize)]),
 }
 
-/// The edges of a box, by the numbers of their corners.
-const EDGES: [(usize, usize); 12] =
+/// The edges of a box, by the numbers of their corners: that of the number `x + 2 y + 4 z` has the greater coordinates where those are 1.
+const BOX: [(usize, usize); 12] =
     [(0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (0, 4), (1, 5), (2, 6), (3, 7)];
 
-/// How far rounding can move a corner, in pixels, at the most: far more than it does.
-const DOUBT: f64 = 1e-6;
+/// Those of a triangle.
+const TRIANGLE: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+
+/// How far rounding can move a corner, in pixels, at the most: far more than it does, be it to the grid of triangles.
+const DOUBT: f64 = 1e-4;
 
 impl Outline {
     /// That of a box in a frame.
@@ -38,12 +41,17 @@ impl Outline {
                 _ => return Self::Everywhere,
             }
         }
-        Self::Box(corners)
+        Self::Corners(corners, &BOX)
+    }
+
+    /// That of a triangle.
+    pub(crate) fn of_triangle([a, b, c]: [DVec2; 3]) -> Self {
+        Self::Corners([a, b, c, a, a, a, a, a], &TRIANGLE)
     }
 
     /// The least and the greatest y.
     pub(crate) fn rows(&self) -> (f64, f64) {
-        let Self::Box(corners) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
+        let Self::Corners(corners, _) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
         let (low, high) =
             corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it.y), high.max(it.y)));
         (low - DOUBT, high + DOUBT)
@@ -51,10 +59,10 @@ impl Outline {
 
     /// The least and the greatest x at this y; the least is the greater one if there is none.
     pub(crate) fn columns(&self, y: f64) -> (f64, f64) {
-        let Self::Box(corners) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
+        let Self::Corners(corners, edges) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (a, b) in EDGES {
-            let (a, b) = (corners[a], corners[b]);
+        for (a, b) in *edges {
+            let (a, b) = (corners[*a], corners[*b]);
             if a.y.min(b.y) - DOUBT <= y && y <= a.y.max(b.y) + DOUBT {
                 // Level edges are there with all their length.
                 let rise = b.y - a.y;

@@ -9,12 +9,12 @@
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::Scanner;
 use super::frame::Frame;
 use super::model::Model;
 use super::projection::Projection;
-use super::solid::{draw, middle_met};
-use super::tour::Tour;
+use super::solid::middle_met;
+use super::tour::{Tour, What};
+use super::{Room, Scanner};
 use crate::fault::Fault;
 use crate::geometry::{Aabb, Primitive, Ray};
 use crate::picture::{Rect, Watch};
@@ -66,7 +66,9 @@ impl Shadows {
         let model = &scanner.model;
         let mut endless = Vec::new();
         Tour::default().endless(model, |met| {
-            endless.push(Endless { primitive: *met.primitive, own_from_world: met.world_from_own.inverse() });
+            if let What::Primitive(primitive) = met.what {
+                endless.push(Endless { primitive: *primitive, own_from_world: met.world_from_own.inverse() });
+            }
         });
         let most = MOST_TEXELS / suns.len().max(1) as f64;
         let maps = suns.iter().filter_map(|it| Map::new(model, *it, seen, most)).collect();
@@ -169,10 +171,11 @@ impl Map {
     fn fill(&mut self, model: &Model, watch: &dyn Watch) {
         let Self { projection, width, height, depths } = self;
         let columns = width.div_ceil(TILE) as usize;
-        let room = || (Frame::new(*projection), Tour::default());
+        let room = || (Frame::new(*projection), Room::default());
         depths.par_chunks_mut((TILE * TILE) as usize).enumerate().for_each_init(
             room,
-            |(frame, tour), (tile, depths)| {
+            |(frame, room), (tile, depths)| {
+                let Room { tour, drawer } = room;
                 if watch.interrupted() {
                     return;
                 }
@@ -181,8 +184,8 @@ impl Map {
                 frame.clear(rect, &[DVec2::ZERO]);
                 let (low, high) = frame.reach();
                 tour.go(model, projection, &projection.planes(low - 1e-6, high + 1e-6), |met| {
-                    if met.primitive.bounds().is_finite() {
-                        draw(frame, &met, middle_met);
+                    if met.what.bounds().is_finite() {
+                        drawer.draw(frame, &met, middle_met);
                     }
                 });
                 let rows = depths.chunks_mut(TILE as usize).zip(0..rect.height);
@@ -242,7 +245,7 @@ fn extent(model: &Model, axes: &DMat3) -> Option<(DVec3, DVec3)> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     Tour::default().all(model, |met| {
         let DAffine3 { matrix3, translation } = met.world_from_own;
-        let reach = |axis: DVec3| translation.dot(axis) + met.primitive.support(matrix3.transpose() * axis);
+        let reach = |axis: DVec3| translation.dot(axis) + met.what.support(matrix3.transpose() * axis);
         let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
         let least = -DVec3::new(reach(-x), reach(-y), reach(-z));
         let most = DVec3::new(reach(x), reach(y), reach(z));

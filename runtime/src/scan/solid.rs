@@ -6,18 +6,16 @@ use glam::DAffine3;
 
 use super::frame::Frame;
 use super::outline::{Outline, between};
-use super::tour::Met;
 use crate::geometry::{Crossing, Primitive, Ray};
 
 /// Where a ray meets a primitive, for who draws it.
 pub(crate) type Meeting = fn(&Primitive, &Ray) -> Option<Crossing>;
 
-/// Draws a primitive where it is met so, as the piece of the next number; gives the map to its own frame if any of it is seen.
-pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>, meeting: Meeting) -> Option<DAffine3> {
-    let own_from_world = met.world_from_own.inverse();
+/// Draws a primitive where it is met so, as the piece of the next number; says whether any of it is seen.
+pub(crate) fn draw(frame: &mut Frame, primitive: &Primitive, world_from_own: &DAffine3, meeting: Meeting) -> bool {
     let projection = *frame.projection();
-    let outline = Outline::new(&met.primitive.bounds(), &met.world_from_own, &projection);
-    let fan = projection.fan(&own_from_world);
+    let outline = Outline::new(&primitive.bounds(), world_from_own, &projection);
+    let fan = projection.fan(&world_from_own.inverse());
     let piece = frame.next_piece();
     let mut is_seen = false;
     for number in 0..frame.grids() {
@@ -28,13 +26,13 @@ pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>, meeting: Meeting) -> Option
             let y = grid.at(0, row).y;
             let (left, right) = between(outline.columns(y), first.x, grid.rect.width);
             for column in left..right {
-                if let Some(Crossing { t, face }) = meeting(met.primitive, &fan.ray(grid.at(column, row))) {
-                    is_seen |= grid.put(column, row, t, piece, face);
+                if let Some(Crossing { t, face }) = meeting(primitive, &fan.ray(grid.at(column, row))) {
+                    is_seen |= grid.put(column, row, t, piece, u32::from(face));
                 }
             }
         }
     }
-    is_seen.then_some(own_from_world)
+    is_seen
 }
 
 /// Where a ray meets a primitive first: where it comes in, or from inside where it goes out.

@@ -1,20 +1,32 @@
 //! Tours: through all primitives of a model that may be seen in a part of a picture, each where it is in the world.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::model::{Model, Thing, What};
+use super::model::{Holds, Model, Thing};
 use super::projection::{Plane, Projection};
 use super::tree::Below;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Primitive};
+use crate::mesh::Surface;
 use crate::trace::Route;
 
-/// A primitive where it is in the world.
+/// Something that can be drawn, where it is in the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Met<'m> {
-    pub(crate) primitive: &'m Primitive,
+    pub(crate) what: What<'m>,
     pub(crate) world_from_own: DAffine3,
     pub(crate) look: Look,
+}
+
+/// What can be drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum What<'m> {
+    /// A primitive, by its equation.
+    Primitive(&'m Primitive),
+    /// Triangles.
+    Surface(&'m Arc<Surface>),
 }
 
 /// What a surface looks like, and where that comes from.
@@ -110,9 +122,10 @@ impl Tour {
                 }
             };
             let thing = &component.things[thing as usize];
-            match &thing.what {
-                What::Primitive(primitive, origin) => each(site.met(thing, primitive, *origin)),
-                What::Component(inner) => {
+            match &thing.holds {
+                Holds::Primitive(primitive, origin) => each(site.met(thing, What::Primitive(primitive), *origin)),
+                Holds::Surface(surface, origin) => each(site.met(thing, What::Surface(surface), *origin)),
+                Holds::Component(inner) => {
                     let site = site.inner(thing, *inner);
                     self.open(model, site, ending);
                 }
@@ -168,11 +181,11 @@ impl Site {
         self.planes.iter().any(|it| it.excludes(bounds))
     }
 
-    /// A primitive in it.
-    fn met<'m>(&self, thing: &Thing, primitive: &'m Primitive, origin: Origin) -> Met<'m> {
+    /// Something in it.
+    fn met<'m>(&self, thing: &Thing, what: What<'m>, origin: Origin) -> Met<'m> {
         let (material, world_from_paint) = self.paint(thing);
         let look = Look { material, world_from_paint, route: self.route.then(thing.route).hash(), origin };
-        Met { primitive, world_from_own: self.world_from_here * thing.outer_from_inner, look }
+        Met { what, world_from_own: self.world_from_here * thing.outer_from_inner, look }
     }
 
     /// A component in it.

@@ -13,8 +13,8 @@ mod route;
 pub(crate) mod shapes;
 mod walk;
 
-pub(crate) use expand::constants;
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
+pub(crate) use expand::{WholeStem, constants};
 pub use find::{Derivable, find_shape};
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};

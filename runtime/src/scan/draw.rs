@@ -21,7 +21,7 @@ pub(crate) struct Drawer {
 impl Drawer {
     /// Draws what is met and says what it is.
     pub(crate) fn show(&mut self, frame: &mut Frame, met: &Met<'_>) {
-        if self.draw(frame, met, solid::first_met) {
+        if self.draw(frame, met, Meeting::First) {
             let own_from_world = Box::new(met.world_from_own.inverse());
             let shape = match met.what {
                 What::Primitive(primitive) => Shape::Primitive(*primitive, own_from_world),

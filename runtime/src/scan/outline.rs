@@ -1,7 +1,10 @@
 //! Outlines: where in a picture something may be seen that lies in a box.
 
+use std::ops::Range;
+
 use glam::{DAffine3, DVec2, DVec3};
 
+use super::frame::{Frame, Grid};
 use super::projection::Projection;
 use crate::geometry::Aabb;
 
@@ -80,12 +83,26 @@ impl Outline {
     }
 }
 
-/// The numbers of the samples that lie between two places, of `count` that stand one apart from `first` on: from the first to but not with
-/// the second.
-pub(crate) fn between((low, high): (f64, f64), first: f64, count: u32) -> (usize, usize) {
+impl Outline {
+    /// Goes through the samples of a frame that lie in it: row by row, those in a run of columns.
+    #[inline(always)]
+    pub(crate) fn each_run(&self, frame: &mut Frame, mut draw: impl FnMut(&mut Grid<'_>, usize, Range<usize>)) {
+        for number in 0..frame.grids() {
+            let mut grid = frame.grid(number);
+            let first = grid.at(0, 0);
+            for row in between(self.rows(), first.y, grid.rect.height) {
+                let columns = between(self.columns(grid.at(0, row).y), first.x, grid.rect.width);
+                draw(&mut grid, row, columns);
+            }
+        }
+    }
+}
+
+/// The numbers of the samples that lie between two places, of `count` that stand one apart from `first` on.
+fn between((low, high): (f64, f64), first: f64, count: u32) -> Range<usize> {
     let most = f64::from(count);
     // No number is below, and what is no number becomes 0.
     let start = (low - first).ceil().clamp(0.0, most) as usize;
     let end = ((high - first).floor() + 1.0).clamp(0.0, most) as usize;
-    (start, end.max(start))
+    start..end.max(start)
 }

@@ -94,6 +94,24 @@ pub(crate) struct Fan {
 }
 
 impl Fan {
+    /// By how much rays change a pixel to the right, and a pixel down: in origin if they are parallel, else in direction.
+    pub(crate) fn steps(&self) -> [DVec3; 2] {
+        [self.across, self.down]
+    }
+
+    /// Whether all rays are parallel.
+    pub(crate) fn is_parallel(&self) -> bool {
+        self.parallel
+    }
+
+    /// Whether lanes can compute with all rays through a picture ([`Convex`](crate::geometry::Convex)).
+    pub(crate) fn is_in_range(&self) -> bool {
+        let Ray { origin, direction } = self.corner;
+        let lengths = [direction, self.across, self.down].map(|it| it.abs().max_element());
+        // There are at most 2^26 pixels, so nothing comes to much more than that many steps.
+        lengths.iter().all(|it| (1e-20..1e20).contains(it)) && origin.abs().max_element() < 1e60
+    }
+
     /// The ray through a place in the picture.
     #[inline]
     pub(crate) fn ray(&self, at: DVec2) -> Ray {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::frame::Frame;
 use super::model::Model;
 use super::projection::Projection;
-use super::solid::middle_met;
+use super::solid::Meeting;
 use super::tour::{Tour, What};
 use super::{Room, Scanner};
 use crate::fault::Fault;
@@ -185,7 +185,7 @@ impl Map {
                 let (low, high) = frame.reach();
                 tour.go(model, projection, &projection.planes(low - 1e-6, high + 1e-6), |met| {
                     if met.what.bounds().is_finite() {
-                        drawer.draw(frame, &met, middle_met);
+                        drawer.draw(frame, &met, Meeting::Middle);
                     }
                 });
                 let rows = depths.chunks_mut(TILE as usize).zip(0..rect.height);

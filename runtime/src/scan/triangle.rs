@@ -12,7 +12,7 @@
 use glam::{DVec2, DVec3};
 
 use super::frame::{Frame, Grid};
-use super::outline::{Outline, between};
+use super::outline::Outline;
 use super::projection::Projection;
 
 /// Steps of the grid in a pixel.
@@ -94,20 +94,14 @@ pub(crate) fn draw(frame: &mut Frame, seeing: &Seeing, corners: &[Corner; 3], fa
     let Some(triangle) = Triangle::new(corners, &seeing.projection) else { return false };
     let piece = frame.next_piece();
     let mut is_seen = false;
-    for number in 0..frame.grids() {
-        let mut grid = frame.grid(number);
-        let first = grid.at(0, 0);
-        let (top, bottom) = between(outline.rows(), first.y, grid.rect.height);
-        for row in top..bottom {
-            let (left, right) = between(outline.columns(first.y + row as f64), first.x, grid.rect.width);
-            for column in left..right {
-                let place = Place::new(&grid, seeing, column, row);
-                if triangle.has(&place) {
-                    is_seen |= grid.put(column, row, triangle.depth(&place, &seeing.projection), piece, face);
-                }
+    outline.each_run(frame, |grid, row, columns| {
+        for column in columns {
+            let place = Place::new(grid, seeing, column, row);
+            if triangle.has(&place) {
+                is_seen |= grid.put(column, row, triangle.depth(&place, &seeing.projection), piece, face);
             }
         }
-    }
+    });
     is_seen
 }
 

@@ -135,7 +135,7 @@ fn make(
     outputs.refuse_sources(&understood.files.paths())?;
     let fail = |fault: Fault| understood.failure(&fault, console);
     let mesh = mesh::mesh(&understood.scene, arguments.surface.into(), &limits, progress).map_err(fail)?;
-    understood.warn_of(&mesh.left_out, console);
+    understood.warn_of(&mesh.left_out, None, console);
     if mesh.triangles() == 0 {
         return Err(fail(Fault::new(FaultKind::NoMesh, Origin::NONE)));
     }

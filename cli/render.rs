@@ -6,14 +6,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::ThreadPoolBuilder;
-use treegen_runtime::form::Scene;
-use treegen_runtime::mesh::LeftOut;
+use treegen_runtime::form::{Origin, Scene};
 use treegen_runtime::picture::{self, Picture, Rect, RenderOptions, Watch};
 use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::Tracer;
 use treegen_runtime::trace::cells::{CellTracer, Counts};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::{Fault, Limits};
+use treegen_runtime::{Fault, FaultKind, Limits};
 
 use crate::arguments::{Render, Renderer};
 use crate::compile::{Understood, compile};
@@ -164,20 +163,41 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     let options = options(arguments, &program, outputs.format)?;
     let compiled = start.elapsed().as_secs_f64();
 
+    let start = Instant::now();
+    let scanner = (arguments.renderer == Renderer::Scan)
+        .then(|| scanner(arguments, &program, &limits, progress, console))
+        .transpose()?;
     // rayon takes 0 for as many as there are processors.
     let pool = ThreadPoolBuilder::new().num_threads(arguments.threads.unwrap_or(0) as usize).stack_size(STACK_BYTES);
     let pool = pool.build().map_err(|error| no_thread(&error))?;
-    let traced = pool.install(|| match arguments.renderer {
-        Renderer::Trace => trace(arguments, &program.scene, &limits, &options, progress),
-        Renderer::Scan => scan(arguments, &program.scene, &limits, &options, progress),
+    let scene = &program.scene;
+    let traced = pool.install(|| match &scanner {
+        None => trace(arguments, scene, &limits, &options, progress),
+        Some(scanner) => timed(start, || picture::scan(scene, scanner, &limits, &options, progress)),
     });
     let traced = traced.map_err(|fault| program.failure(&fault, console))?;
-    program.warn_of(&traced.left_out, console);
     Ok(Made {
         text: text(arguments, &program, &traced.picture),
         stats: traced.stats(compiled),
         picture: traced.picture,
     })
+}
+
+/// Makes a scanner of a program, and tells what it leaves out.
+fn scanner(
+    arguments: &Render,
+    program: &Understood,
+    limits: &Limits,
+    progress: &Progress,
+    console: Console,
+) -> Result<Scanner, Failure> {
+    let fail = |fault: Fault| program.failure(&fault, console);
+    let scanner = Scanner::new(&program.scene, arguments.surface.into(), limits, progress).map_err(fail)?;
+    program.warn_of(scanner.left_out(), Some("`--renderer trace` shows it"), console);
+    if scanner.primitives() == 0 && !scanner.left_out().is_empty() {
+        return Err(fail(Fault::new(FaultKind::NoMesh, Origin::NONE)));
+    }
+    Ok(scanner)
 }
 
 /// A picture, and what it took.
@@ -187,8 +207,6 @@ struct Traced {
     render: f64,
     cpu: Option<f64>,
     counts: Option<Counts>,
-    /// What is not in the picture.
-    left_out: Vec<LeftOut>,
 }
 
 fn trace(
@@ -205,19 +223,6 @@ fn trace(
     let tracer = CellTracer::new(scene, limits, arguments.culling.into())?;
     let traced = look(scene, &tracer, options, start, progress)?;
     Ok(Traced { counts: Some(tracer.counts()), ..traced })
-}
-
-fn scan(
-    arguments: &Render,
-    scene: &Scene,
-    limits: &Limits,
-    options: &RenderOptions,
-    progress: &Progress,
-) -> Result<Traced, Fault> {
-    let start = Instant::now();
-    let scanner = Scanner::new(scene, arguments.surface.into(), limits, progress)?;
-    let drawn = timed(start, || picture::scan(scene, &scanner, limits, options, progress))?;
-    Ok(Traced { left_out: scanner.left_out().to_vec(), ..drawn })
 }
 
 fn look(
@@ -238,7 +243,7 @@ fn timed(start: Instant, make: impl FnOnce() -> Result<Picture, Fault>) -> Resul
     let picture = make()?;
     let render = start.elapsed().as_secs_f64();
     let cpu = cpu.zip(cpu_seconds()).map(|(before, after)| after - before);
-    Ok(Traced { picture, prepare, render, cpu, counts: None, left_out: Vec::new() })
+    Ok(Traced { picture, prepare, render, cpu, counts: None })
 }
 
 impl Traced {

@@ -47,7 +47,10 @@ fn a_drawn_picture_is_near_the_traced_one_and_says_that_it_is_drawn() {
 fn what_is_not_drawn_is_told_of() {
     let folder = Folder::with(&[
         ("a.tg", "scene { show box & sphere; show sphere; }"),
-        ("b.tg", "scene { show Cut(); } csg Cut(order = inf) { start S(order); S(c) if c == 0 -> sphere; S(c) -> uscale(.5) S(c - 1); }"),
+        (
+            "b.tg",
+            "scene { show Cut(); } csg Cut(order = inf) { start S(order); S(c) if c == 0 -> sphere; S(c) -> uscale(.5) S(c - 1); }",
+        ),
     ]);
     let scan = ["--renderer", "scan"];
     let ran = folder.run(&[&["a.tg", "-o", "a.png"], &scan[..]].concat()).ended(0);

@@ -165,10 +165,7 @@ pub fn render(
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
     let view = view::View::new(scene, options)?;
-    let camera = match &scene.camera {
-        Some(camera) => camera.clone(),
-        None => frame(tracer, view.width, view.height)?,
-    };
+    let camera = scene.camera.clone().map_or_else(|| frame(tracer, view.width, view.height), Ok)?;
     job::render(scene, &view, &camera, &Eyes::Trace(tracer), watch)
 }
 
@@ -187,10 +184,8 @@ pub fn scan(
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
     let view = view::View::new(scene, options)?;
-    let camera = match &scene.camera {
-        Some(camera) => camera.clone(),
-        None => frame(&CellTracer::new(scene, limits, Culling::State)?, view.width, view.height)?,
-    };
+    let framed = || frame(&CellTracer::new(scene, limits, Culling::State)?, view.width, view.height);
+    let camera = scene.camera.clone().map_or_else(framed, Ok)?;
     job::render(scene, &view, &camera, &Eyes::Scan(scanner), watch)
 }
 

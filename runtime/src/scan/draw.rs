@@ -5,83 +5,78 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::frame::{Frame, Piece, Shape};
+use super::model::Run;
 use super::solid::{self, Meeting};
 use super::tour::{Met, What};
-use super::triangle::{self, Corner, Seeing};
+use super::triangle::{self, Seeing};
 use crate::form::PrimitiveKind;
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::Aabb;
 use crate::mesh::Surface;
 
-/// Draws, and keeps its room from one thing to the next.
-#[derive(Debug, Default)]
-pub(crate) struct Drawer {
-    corners: Vec<Corner>,
+/// Draws what is met and says what it is.
+pub(crate) fn show(frame: &mut Frame, met: &Met<'_>) {
+    if draw(frame, met, Meeting::First) {
+        let own_from_world = Box::new(met.world_from_own.inverse());
+        let shape = match met.what {
+            What::Primitive(primitive) => Shape::Primitive(*primitive, own_from_world),
+            What::Surface(surface, _) => Shape::Surface(Arc::clone(surface), own_from_world),
+        };
+        frame.say(Piece { look: met.look, shape });
+    }
 }
 
-impl Drawer {
-    /// Draws what is met and says what it is.
-    pub(crate) fn show(&mut self, frame: &mut Frame, met: &Met<'_>) {
-        if self.draw(frame, met, Meeting::First) {
-            let own_from_world = Box::new(met.world_from_own.inverse());
-            let shape = match met.what {
-                What::Primitive(primitive) => Shape::Primitive(*primitive, own_from_world),
-                What::Surface(surface) => Shape::Surface(Arc::clone(surface), own_from_world),
-            };
-            frame.say(Piece { look: met.look, shape });
+/// Draws what is met as the piece of the next number: solids where rays meet them so. Says whether any of it is seen.
+pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>, meeting: Meeting) -> bool {
+    let map = &met.world_from_own;
+    match met.what {
+        What::Primitive(primitive) if primitive.kind() == PrimitiveKind::Triangle => {
+            let seeing = Seeing::new(frame);
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|it| seeing.corner(map.transform_point3(it)));
+            triangle::draw(frame, &seeing, &corners, 0)
         }
-    }
-
-    /// Draws what is met as the piece of the next number: solids where rays meet them so. Says whether any of it is seen.
-    pub(crate) fn draw(&mut self, frame: &mut Frame, met: &Met<'_>, meeting: Meeting) -> bool {
-        match met.what {
-            What::Primitive(primitive) if primitive.kind() == PrimitiveKind::Triangle => {
-                let seeing = Seeing::new(frame);
-                let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|it| met.world_from_own.transform_point3(it));
-                triangle::draw(frame, &seeing, &corners.map(|it| seeing.corner(it)), 0)
+        What::Primitive(primitive) => solid::draw(frame, primitive, map, meeting),
+        What::Surface(surface, run) => {
+            let seeing = Seeing::new(frame);
+            let mut is_seen = false;
+            for (number, corners) in triangles(surface, run) {
+                let corners = corners.map(|it| seeing.corner(map.transform_point3(it)));
+                is_seen |= triangle::draw(frame, &seeing, &corners, number);
             }
-            What::Primitive(primitive) => solid::draw(frame, primitive, &met.world_from_own, meeting),
-            What::Surface(surface) => self.surface(frame, surface, met),
+            is_seen
         }
-    }
-
-    /// Draws the triangles of a surface, their numbers as faces.
-    fn surface(&mut self, frame: &mut Frame, surface: &Surface, met: &Met<'_>) -> bool {
-        let seeing = Seeing::new(frame);
-        let point = |it: [f32; 3]| met.world_from_own.transform_point3(DVec3::from_array(it.map(f64::from)));
-        self.corners.clear();
-        self.corners.extend(surface.vertices().iter().map(|it| seeing.corner(point(it.position))));
-        let mut is_seen = false;
-        for (number, corners) in surface.triangles().iter().enumerate() {
-            let corners = corners.map(|it| self.corners[it as usize]);
-            is_seen |= triangle::draw(frame, &seeing, &corners, number as u32);
-        }
-        is_seen
     }
 }
 
 impl What<'_> {
-    /// The box around it in its own frame.
-    pub(crate) fn bounds(&self) -> Aabb {
+    /// Whether it has no end.
+    pub(crate) fn is_endless(&self) -> bool {
         match self {
-            Self::Primitive(primitive) => primitive.bounds(),
-            Self::Surface(surface) => bounds(surface),
+            Self::Primitive(primitive) => !primitive.bounds().is_finite(),
+            Self::Surface(..) => false,
         }
     }
 
     /// How far it reaches in a direction of its own frame.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         match self {
-            Self::Primitive(primitive) => Primitive::support(primitive, direction),
-            Self::Surface(surface) => {
-                let reach = |it: [f32; 3]| DVec3::from_array(it.map(f64::from)).dot(direction);
-                surface.vertices().iter().map(|it| reach(it.position)).fold(f64::NEG_INFINITY, f64::max)
+            Self::Primitive(primitive) => primitive.support(direction),
+            Self::Surface(surface, run) => {
+                let corners = triangles(surface, *run).flat_map(|it| it.1);
+                corners.map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
             }
         }
     }
 }
 
-/// The box around a surface.
-pub(crate) fn bounds(surface: &Surface) -> Aabb {
-    let [min, max] = surface.bounds().map(|it| DVec3::from_array(it.map(f64::from)));
-    Aabb { min, max }
+/// The box around some triangles.
+pub(crate) fn bounds(surface: &Surface, run: Run) -> Aabb {
+    let corners = triangles(surface, run).flat_map(|it| it.1);
+    corners.fold(Aabb::EMPTY, |all, it| all.union(&Aabb { min: it, max: it }))
+}
+
+/// Some triangles with their numbers.
+fn triangles(surface: &Surface, Run(first, end): Run) -> impl Iterator<Item = (u32, [DVec3; 3])> {
+    let point = |it: u32| DVec3::from_array(surface.vertices()[it as usize].position.map(f64::from));
+    let run = first as usize..end as usize;
+    (first..end).zip(surface.triangles()[run].iter().map(move |it| it.map(point)))
 }

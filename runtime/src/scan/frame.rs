@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::projection::Projection;
+use super::outline::DOUBT;
+use super::projection::{Plane, Projection};
 use super::tour::Look;
 use crate::geometry::Primitive;
 use crate::mesh::Surface;
@@ -65,6 +66,9 @@ pub(crate) struct Grid<'f> {
     samples: &'f mut [Sample],
 }
 
+/// So many pieces are few.
+const LEAST_PIECES: usize = 1024;
+
 const NOTHING: Sample = Sample { depth: f64::INFINITY, piece: 0, face: 0 };
 
 impl Frame {
@@ -89,8 +93,14 @@ impl Frame {
         &self.projection
     }
 
+    /// The planes around what its samples may see.
+    pub(crate) fn planes(&self) -> [Plane; 5] {
+        let (low, high) = self.reach();
+        self.projection.planes(low - DOUBT, high + DOUBT)
+    }
+
     /// The corners of the part of the picture in which its samples lie.
-    pub(crate) fn reach(&self) -> (DVec2, DVec2) {
+    fn reach(&self) -> (DVec2, DVec2) {
         let low = DVec2::new(f64::from(self.rect.x), f64::from(self.rect.y)) + 0.5;
         let size = DVec2::new(f64::from(self.rect.width), f64::from(self.rect.height)) - 1.0;
         let least = self.offsets.iter().fold(DVec2::INFINITY, |least, it| least.min(*it));
@@ -128,6 +138,26 @@ impl Frame {
     /// Says what the surface of the next number is.
     pub(crate) fn say(&mut self, piece: Piece) {
         self.pieces.push(piece);
+        if self.pieces.len() >= 2 * self.samples.len().max(LEAST_PIECES) {
+            self.forget_hidden();
+        }
+    }
+
+    /// Forgets the pieces of which nothing is seen any more: at most one a sample is left.
+    fn forget_hidden(&mut self) {
+        const HIDDEN: u32 = u32::MAX;
+        let mut numbers = vec![HIDDEN; self.pieces.len()];
+        for sample in self.samples.iter().filter(|it| it.depth < f64::INFINITY) {
+            numbers[sample.piece as usize] = 0;
+        }
+        for (kept, number) in numbers.iter_mut().filter(|it| **it != HIDDEN).enumerate() {
+            *number = kept as u32;
+        }
+        let mut is_seen = numbers.iter().map(|it| *it != HIDDEN);
+        self.pieces.retain(|_| is_seen.next().unwrap_or(false));
+        for sample in self.samples.iter_mut().filter(|it| it.depth < f64::INFINITY) {
+            sample.piece = numbers[sample.piece as usize];
+        }
     }
 
     /// Adds what a sample sees, along its beam, as a ray.
@@ -198,5 +228,42 @@ impl Shape {
         let normal = DMat3::transpose(&own_from_world.matrix3) * own;
         let normal = normal.try_normalize().unwrap_or(-beam.ray.direction);
         if !is_solid && normal.dot(beam.ray.direction) > 0.0 { -normal } else { normal }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form::{Origin, PrimitiveKind};
+
+    #[test]
+    fn pieces_that_are_hidden_are_forgotten_and_those_that_are_seen_stay() {
+        let projection = Projection {
+            eye: DVec3::ZERO,
+            forward: DVec3::Y,
+            right: DVec3::X,
+            up: DVec3::Z,
+            middle: DVec2::ZERO,
+            pixel: 1.0,
+            parallel: true,
+        };
+        let mut frame = Frame::new(projection);
+        frame.clear(Rect { x: 0, y: 0, width: 3, height: 1 }, &[DVec2::ZERO]);
+        let sphere = Primitive::new(PrimitiveKind::Sphere, &[]).expect("it is a primitive");
+        let mut most = 0;
+        for number in 0..10_000_u32 {
+            let piece = frame.next_piece();
+            let column = if number == 0 { 1 } else { 0 };
+            assert!(frame.grid(0).put(column, 0, 20_000.0 - f64::from(number), piece, 0));
+            let look = Look { material: None, world_from_paint: None, route: u64::from(number), origin: Origin::NONE };
+            frame.say(Piece { look, shape: Shape::Primitive(sphere, Box::new(DAffine3::IDENTITY)) });
+            most = most.max(frame.pieces.len());
+        }
+        assert!(most <= 2 * LEAST_PIECES, "{most}");
+        let beam = Beam::thin(projection.ray(DVec2::ZERO));
+        let mut seen = Seen::default();
+        (0..3).for_each(|x| frame.see(0, (x, 0), &beam, &mut seen));
+        let routes: Vec<Option<u64>> = seen.rays().map(|it| it.first().map(|it| it.route)).collect();
+        assert_eq!(routes, [Some(9_999), Some(0), None]);
     }
 }

@@ -24,19 +24,11 @@ use crate::limits::Limits;
 use crate::mesh::{LeftOut, StemSurface};
 use crate::picture::Watch;
 
-use draw::Drawer;
 pub(crate) use frame::Frame;
 use model::Model;
 pub(crate) use projection::Projection;
 pub(crate) use shadow::Shadows;
-use tour::Tour;
-
-/// Room for drawing one tile after another.
-#[derive(Debug, Default)]
-pub(crate) struct Room {
-    tour: Tour,
-    drawer: Drawer,
-}
+pub(crate) use tour::Tour;
 
 /// Draws a scene. What it makes of the scene serves for as many pictures as are wanted.
 #[derive(Debug)]
@@ -67,12 +59,9 @@ impl Scanner {
     }
 
     /// Draws what is seen in a frame.
-    pub(crate) fn fill(&self, frame: &mut Frame, room: &mut Room) {
-        let Room { tour, drawer } = room;
+    pub(crate) fn fill(&self, frame: &mut Frame, tour: &mut Tour) {
         let projection = *frame.projection();
-        let (low, high) = frame.reach();
-        // Rounding moves no sample out of its own tile.
-        let planes = projection.planes(low - 1e-6, high + 1e-6);
-        tour.go(&self.model, &projection, &planes, |met| drawer.show(frame, &met));
+        let planes = frame.planes();
+        tour.go(&self.model, &projection, &planes, |met| draw::show(frame, &met));
     }
 }

@@ -49,13 +49,20 @@ pub(crate) struct Thing {
     pub(crate) holds: Holds,
 }
 
+/// Some triangles of a surface, one after the other: the first, and the one after the last.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run(pub(crate) u32, pub(crate) u32);
+
+/// So many triangles of a surface are one thing, which is seen or not.
+const TOGETHER: u32 = 64;
+
 /// What a [`Thing`] is.
 #[derive(Clone, Debug)]
 pub(crate) enum Holds {
     /// A primitive, and its place in the text.
     Primitive(Box<Primitive>, Origin),
-    /// Triangles, and the place in the text of what they are the surface of.
-    Surface(Arc<Surface>, Origin),
+    /// Triangles of a surface, and the place in the text of what that is the surface of.
+    Surface(Arc<Surface>, Run, Origin),
     /// The component of this number.
     Component(usize),
 }
@@ -128,20 +135,26 @@ impl Maker for Modeller {
 
     fn stem(&mut self, component: &mut Making, stem: &WholeStem<'_>) -> Result<(), Fault> {
         let origin = stem.parts.first().map_or(Origin::NONE, |it| it.origin);
-        self.spend(component, mesh::least_triangles(stem.parts, self.stems), origin)?;
+        // Before any are made.
+        self.fits(component, mesh::least_triangles(stem.parts, self.stems), origin)?;
         for (material, surface) in mesh::stem(stem.parts, self.stems).into_surfaces() {
             let part = stem.parts.iter().position(|it| it.material == material);
             let paint = part.and_then(|it| stem.group_from_paint.get(it).copied().flatten());
             let origin = part.map_or(origin, |it| stem.parts[it].origin);
-            let bounds = draw::bounds(&surface);
-            let thing = Thing {
-                outer_from_inner: DAffine3::IDENTITY,
-                material,
-                outer_from_paint: paint.map(Box::new),
-                route: stem.route,
-                holds: Holds::Surface(Arc::new(surface), origin),
-            };
-            component.put(bounds, &bounds, thing);
+            let (count, surface) = (surface.triangles().len() as u32, Arc::new(surface));
+            self.spend(component, u64::from(count), origin)?;
+            for first in (0..count).step_by(TOGETHER as usize) {
+                let run = Run(first, count.min(first + TOGETHER));
+                let bounds = draw::bounds(&surface, run);
+                let thing = Thing {
+                    outer_from_inner: DAffine3::IDENTITY,
+                    material,
+                    outer_from_paint: paint.map(Box::new),
+                    route: stem.route,
+                    holds: Holds::Surface(Arc::clone(&surface), run, origin),
+                };
+                component.put(bounds, &bounds, thing);
+            }
         }
         Ok(())
     }
@@ -175,13 +188,17 @@ impl Maker for Modeller {
 }
 
 impl Modeller {
+    /// Looks whether so much may be added to a component.
+    fn fits(&self, component: &Making, count: u64, origin: Origin) -> Result<(), Fault> {
+        let most = self.stored.max(component.count).saturating_add(count);
+        if most <= self.limit { Ok(()) } else { Err(limit(Limit::Triangles, self.limit, origin)) }
+    }
+
     /// Counts what is added to a component.
     fn spend(&mut self, component: &mut Making, count: u64, origin: Origin) -> Result<(), Fault> {
-        self.stored = self.stored.saturating_add(count);
+        self.fits(component, count, origin)?;
+        self.stored += count;
         component.count = component.count.saturating_add(count);
-        if self.stored.max(component.count) > self.limit {
-            return Err(limit(Limit::Triangles, self.limit, origin));
-        }
         Ok(())
     }
 }

@@ -25,7 +25,7 @@ const BOX: [(usize, usize); 12] =
 const TRIANGLE: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
 /// How far rounding can move a corner, in pixels, at the most: far more than it does, be it to the grid of triangles.
-const DOUBT: f64 = 1e-4;
+pub(crate) const DOUBT: f64 = 1e-4;
 
 impl Outline {
     /// That of a box in a frame.

@@ -14,14 +14,14 @@ use super::model::Model;
 use super::projection::Projection;
 use super::solid::Meeting;
 use super::tour::{Tour, What};
-use super::{Room, Scanner};
+use super::{Scanner, draw};
 use crate::fault::Fault;
 use crate::geometry::{Aabb, Primitive, Ray};
 use crate::picture::{Rect, Watch};
 use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
 
-/// Texels a side of what one thread draws at once, and of what lies together in memory.
-const TILE: u32 = 64;
+/// How many rows of texels one thread draws at once.
+const ROWS: u32 = 32;
 /// How many texels all maps together have at most, and how many one has along a side.
 const MOST_TEXELS: f64 = (1u32 << 25) as f64;
 const MOST_SIDE: f64 = 4096.0;
@@ -49,7 +49,7 @@ struct Map {
     projection: Projection,
     width: u32,
     height: u32,
-    /// Tile by tile, row by row.
+    /// Row by row.
     depths: Vec<f32>,
 }
 
@@ -162,39 +162,29 @@ impl Map {
             pixel: texel,
             parallel: true,
         };
-        let tiles = width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize;
-        let depths = vec![f32::INFINITY; tiles * (TILE * TILE) as usize];
+        let depths = vec![f32::INFINITY; width as usize * height as usize];
         projection.eye.is_finite().then_some(Self { projection, width, height, depths })
     }
 
     /// Draws what the sun sees.
     fn fill(&mut self, model: &Model, watch: &dyn Watch) {
         let Self { projection, width, height, depths } = self;
-        let columns = width.div_ceil(TILE) as usize;
-        let room = || (Frame::new(*projection), Room::default());
-        depths.par_chunks_mut((TILE * TILE) as usize).enumerate().for_each_init(
-            room,
-            |(frame, room), (tile, depths)| {
-                let Room { tour, drawer } = room;
-                if watch.interrupted() {
-                    return;
+        let room = || (Frame::new(*projection), Tour::default());
+        let bands = depths.par_chunks_mut((ROWS * *width) as usize).enumerate();
+        bands.for_each_init(room, |(frame, tour), (band, depths)| {
+            if watch.interrupted() {
+                return;
+            }
+            let y = band as u32 * ROWS;
+            frame.clear(Rect { x: 0, y, width: *width, height: ROWS.min(*height - y) }, &[DVec2::ZERO]);
+            let planes = frame.planes();
+            tour.go(model, projection, &planes, |met| {
+                if !met.what.is_endless() {
+                    draw::draw(frame, &met, Meeting::Middle);
                 }
-                let (x, y) = ((tile % columns) as u32 * TILE, (tile / columns) as u32 * TILE);
-                let rect = Rect { x, y, width: TILE.min(*width - x), height: TILE.min(*height - y) };
-                frame.clear(rect, &[DVec2::ZERO]);
-                let (low, high) = frame.reach();
-                tour.go(model, projection, &projection.planes(low - 1e-6, high + 1e-6), |met| {
-                    if met.what.bounds().is_finite() {
-                        drawer.draw(frame, &met, Meeting::Middle);
-                    }
-                });
-                let rows = depths.chunks_mut(TILE as usize).zip(0..rect.height);
-                let mut drawn = frame.depths();
-                for (row, _) in rows {
-                    row.iter_mut().take(rect.width as usize).zip(&mut drawn).for_each(|(to, from)| *to = from as f32);
-                }
-            },
-        );
+            });
+            depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);
+        });
     }
 
     /// How much of its sun's light comes to a point of a surface.
@@ -235,8 +225,7 @@ impl Map {
             return f64::INFINITY;
         }
         let (x, y) = (texel.x as u32, texel.y as u32);
-        let tile = (y / TILE) as usize * self.width.div_ceil(TILE) as usize + (x / TILE) as usize;
-        f64::from(self.depths[tile * (TILE * TILE) as usize + (y % TILE * TILE + x % TILE) as usize])
+        f64::from(self.depths[y as usize * self.width as usize + x as usize])
     }
 }
 

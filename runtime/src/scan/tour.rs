@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::model::{Holds, Model, Thing};
+use super::model::{Holds, Model, Run, Thing};
 use super::projection::{Plane, Projection};
 use super::tree::Below;
 use crate::form::{MaterialId, Origin};
@@ -25,8 +25,8 @@ pub(crate) struct Met<'m> {
 pub(crate) enum What<'m> {
     /// A primitive, by its equation.
     Primitive(&'m Primitive),
-    /// Triangles.
-    Surface(&'m Arc<Surface>),
+    /// Triangles of a surface, by their numbers.
+    Surface(&'m Arc<Surface>, Run),
 }
 
 /// What a surface looks like, and where that comes from.
@@ -124,7 +124,7 @@ impl Tour {
             let thing = &component.things[thing as usize];
             match &thing.holds {
                 Holds::Primitive(primitive, origin) => each(site.met(thing, What::Primitive(primitive), *origin)),
-                Holds::Surface(surface, origin) => each(site.met(thing, What::Surface(surface), *origin)),
+                Holds::Surface(surface, run, origin) => each(site.met(thing, What::Surface(surface, *run), *origin)),
                 Holds::Component(inner) => {
                     let site = site.inner(thing, *inner);
                     self.open(model, site, ending);

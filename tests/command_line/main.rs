@@ -12,4 +12,5 @@ mod measure;
 mod mesh;
 mod output;
 mod same_bytes;
+mod scan;
 mod support;

@@ -20,7 +20,7 @@ mod torus;
 
 pub use aabb::Aabb;
 pub use chord::{Chord, Chords, Crossing};
-pub(crate) use convex::{Convex, FACE, Lines, Side};
+pub(crate) use convex::{Convex, FACE, Lines, Pieces, Side};
 pub(crate) use eigen::eigen;
 pub use intervals::{End, Interval, Intervals};
 pub use joint::{Joint, Joints, Part};

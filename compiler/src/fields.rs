@@ -83,7 +83,7 @@ pub(crate) const MATERIAL: &[FieldRule] = &[
     later("roughen", NOT_NEGATIVE),
     field("gloss", SHARE),
     field("mirror", SHARE),
-    later("translucent", SHARE),
+    field("translucent", SHARE),
 ];
 
 /// The kinds of texture.

@@ -47,6 +47,7 @@ pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Materi
         depth: fields.number("depth").unwrap_or(default.depth),
         gloss: fields.number("gloss").unwrap_or(default.gloss),
         mirror: fields.number("mirror").unwrap_or(default.mirror),
+        translucent: fields.number("translucent").unwrap_or(default.translucent),
         origin: origin(record.span),
     }
 }

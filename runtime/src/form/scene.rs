@@ -68,6 +68,8 @@ pub struct Material {
     pub gloss: f64,
     /// How much of what is seen straight in it is a mirror image, from 0 to 1.
     pub mirror: f64,
+    /// How much of the light that it scatters comes through from the other side, from 0 to 1.
+    pub translucent: f64,
     /// Its place in the text.
     pub origin: Origin,
 }
@@ -85,6 +87,7 @@ impl Default for Material {
             depth: 0.02,
             gloss: 0.0,
             mirror: 0.0,
+            translucent: 0.0,
             origin: Origin::NONE,
         }
     }

@@ -16,6 +16,8 @@ pub(super) struct Paint {
     pub(super) gloss: Option<Gloss>,
     /// How much of what is seen straight in it is a mirror image.
     pub(super) mirror: f64,
+    /// How much of the light that it scatters comes through from the other side.
+    pub(super) translucent: f64,
     pub(super) shade: Option<Shade>,
     pub(super) bump: Option<Bump>,
 }
@@ -95,6 +97,7 @@ impl Paint {
             linear: linear(srgb),
             gloss: Gloss::new(material.gloss),
             mirror: within(material.mirror, 1.0),
+            translucent: within(material.translucent, 1.0),
             shade: material.shade.and_then(|it| Pattern::new(it, scene)).map(shade),
             bump: material.bump.and_then(|it| Pattern::new(it, scene)).map(bump),
         }

@@ -162,8 +162,25 @@ impl Fragment {
 pub struct Site {
     /// The parts on the way.
     pub path: SmallVec<[u32; 12]>,
-    /// The face of the primitive.
+    /// The face of the primitive, or [`Site::THROUGH`].
     pub face: u8,
+}
+
+impl Site {
+    /// Instead of a face: a ray that starts here goes through the whole solid, as light does through a leaf. It meets neither the
+    /// primitive nor the Boolean that this is a part of.
+    pub const THROUGH: u8 = u8::MAX;
+
+    /// The same place for a ray that goes through the solid.
+    #[must_use]
+    pub fn through(self) -> Self {
+        Self { face: Self::THROUGH, ..self }
+    }
+
+    /// Whether a ray that starts here goes through the solid.
+    pub fn is_through(&self) -> bool {
+        self.face == Self::THROUGH
+    }
 }
 
 /// A ray as wide as what it stands for: recursion is not followed into what is smaller.

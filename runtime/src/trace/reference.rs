@@ -286,6 +286,7 @@ impl Walk<'_, '_> {
                     }
                     return Ok(union(lines));
                 }
+                Node::Intersect(_) | Node::Difference(..) if self.goes_through(&here) => return Ok(Line::empty()),
                 Node::Intersect(operands) => return self.intersect(operands, &here),
                 Node::Difference(first, others) => return self.subtract(*first, others, &here),
                 Node::Call(call) => {
@@ -370,7 +371,15 @@ impl Walk<'_, '_> {
         }
     }
 
+    /// Whether the ray starts on a part of what is here, and goes through the whole of it.
+    fn goes_through(&self, here: &Here) -> bool {
+        self.from.is_some_and(|it| it.is_through() && it.path.starts_with(&here.site))
+    }
+
     fn primitive(&mut self, primitive: &Primitive, origin: Origin, here: &Here) -> Result<Line, Fault> {
+        if self.goes_through(here) {
+            return Ok(Line::empty());
+        }
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {

@@ -456,7 +456,8 @@ impl Layout<'_, '_, '_> {
         let size = (whole.max - whole.min).max_element() / self.frame.size;
         let tolerance = TOLERANCE * if size.is_finite() { size.max(0.0) } else { 1.0 };
         let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
-        self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
+        let parts = part..self.cell.parts.len() as u32;
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
 }

@@ -187,8 +187,8 @@ pub(super) struct Boolean {
     pub(super) difference: bool,
     /// The operands, numbers of unions.
     pub(super) operands: Range<u32>,
-    /// The number of the first part in it.
-    pub(super) part: u32,
+    /// The numbers of the parts in it.
+    pub(super) parts: Range<u32>,
     /// How near events count as one: 1e-12 of its size.
     pub(super) tolerance: f64,
 }

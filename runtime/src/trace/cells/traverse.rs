@@ -16,6 +16,7 @@ use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
 use crate::geometry::{FACE, Side};
 use crate::lanes::{Kernel, One};
+use crate::trace::Site;
 
 /// What all searches share.
 pub(super) struct Tracing<'a, 's, K> {
@@ -385,6 +386,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(());
         };
+        if boolean.parts.contains(&passage.from) && ask.goes_through() {
+            return Ok(());
+        }
         let place = Place::new(cell, passage);
         let range = if self.tracing.cull {
             let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
@@ -432,6 +436,7 @@ pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
 #[inline(always)]
 pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
     match (leaf.shape, face) {
+        (_, Some(Site::THROUGH)) => true,
         (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
         (LeafShape::Convex(_) | LeafShape::Other(_), _) => false,
     }

@@ -11,5 +11,6 @@ mod interrupts;
 mod measure;
 mod mesh;
 mod output;
+mod pictures;
 mod same_bytes;
 mod support;

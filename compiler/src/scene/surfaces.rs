@@ -3,13 +3,15 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use treegen_runtime::form::{Fbm, Fourier, Material, Pattern, Space, Texture, TextureId};
+use treegen_runtime::form::{Fbm, Fourier, Image, Material, Pattern, Space, Texture, TextureId};
 
 use super::{Fields, Setting};
 use crate::constant::Constants;
 use crate::fields as rules;
 use crate::lower::origin;
+use crate::pictures::Pictures;
 use crate::program::{FieldValue, MaterialId, Record};
+use crate::words;
 
 /// The materials that a graph names, in its order, and the textures that these name.
 pub(crate) fn surfaces(setting: &Setting, used: &[MaterialId]) -> (Vec<Material>, Vec<Texture>) {
@@ -53,7 +55,11 @@ pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Materi
 }
 
 /// A texture; none if its kind has no effect yet.
-pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<Texture> {
+pub(super) fn texture(
+    constants: &mut Constants<'_>,
+    pictures: &mut Pictures<'_>,
+    record: &Record,
+) -> Option<Texture> {
     let kind = record.fields.iter().find_map(|it| match (it.name, &it.value) {
         ("kind", FieldValue::Word(word)) => Some(*word),
         _ => None,
@@ -62,6 +68,7 @@ pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<
     let pattern = match kind {
         "fourier" => Pattern::Fourier(fourier(&fields)),
         "fbm" => Pattern::Fbm(fbm(&fields)),
+        "image" => Pattern::Image(image(constants, pictures, record, &fields)?),
         _ => return None,
     };
     let default = Texture::new(pattern);
@@ -69,6 +76,7 @@ pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<
         name: record.name.clone(),
         space: match fields.word("space") {
             Some("object") => Space::Object,
+            Some("stem") => Space::Stem,
             Some(_) => Space::World,
             None => default.space,
         },
@@ -78,6 +86,29 @@ pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<
         origin: origin(record.span),
         ..default
     })
+}
+
+/// What an image shows; none if there is a problem with it, which is then reported.
+fn image(
+    constants: &mut Constants<'_>,
+    pictures: &mut Pictures<'_>,
+    record: &Record,
+    fields: &Fields<'_>,
+) -> Option<Image> {
+    if fields.broken {
+        return None;
+    }
+    let (Some(file), Some(span)) = (fields.text("file"), fields.value_span("file")) else {
+        constants.report(words::records::missing_field("an `image` texture", "file", record.span));
+        return None;
+    };
+    match pictures.find(file, span) {
+        Ok(raster) => Some(Image { raster, size: fields.number("size").unwrap_or(1.0) }),
+        Err(problem) => {
+            constants.report(problem);
+            None
+        }
+    }
 }
 
 fn fourier(fields: &Fields<'_>) -> Fourier {

@@ -36,7 +36,16 @@ impl Scene {
             return false;
         };
         let texture = |it: TextureId| self.textures.get(it.0 as usize);
-        material.textures().filter_map(texture).any(|it| it.space == Space::Object)
+        material.textures().filter_map(texture).any(|it| it.space != Space::World)
+    }
+
+    /// Whether the look of a material depends on where things are on the stems of plants.
+    pub fn is_painted_on_stems(&self, material: MaterialId) -> bool {
+        let Some(material) = self.materials.get(material.0 as usize) else {
+            return false;
+        };
+        let texture = |it: TextureId| self.textures.get(it.0 as usize);
+        material.textures().filter_map(texture).any(|it| it.space == Space::Stem)
     }
 }
 

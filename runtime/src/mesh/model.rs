@@ -139,7 +139,7 @@ impl Builder<'_> {
         for item in group.items {
             self.watch_over()?;
             match item.solid {
-                Solid::Leaf { primitive, origin } => match solid::mesh(&primitive) {
+                Solid::Leaf { primitive, origin, .. } => match solid::mesh(&primitive) {
                     Some(surface) => {
                         budget.spend(surface.triangles().len() as u64, origin)?;
                         component.painted.surface(item.material).add(&surface, &Mapping::new(&item.group_from_item));

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::color::{linear, within};
-use crate::eval::spread;
+use crate::eval::{fraction, spread};
 use crate::form::{Material, MaterialId, Scene, Space, TextureId};
 use crate::texture::Field;
 
@@ -123,7 +123,7 @@ impl Pattern {
 pub(crate) fn varied(color: DVec3, range: DVec3, route: u64) -> DVec3 {
     let red = spread(route);
     let green = spread(red);
-    color + range * DVec3::new(uniform(red), uniform(green), uniform(spread(green)))
+    color + range * DVec3::new(fraction(red), fraction(green), fraction(spread(green)))
 }
 
 impl Gloss {
@@ -153,9 +153,4 @@ impl Gloss {
         let fade = (normal.dot(toward) * 8.0).min(1.0);
         self.strength * fade * (cosine + (cosine * cosine - cosine) * self.part)
     }
-}
-
-/// A number from 0 to 1, without 1.
-fn uniform(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1u64 << 53) as f64
 }

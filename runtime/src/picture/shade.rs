@@ -199,7 +199,7 @@ impl Shader {
     fn shown(&self, fragment: &Fragment, skin: Option<&Skin>, lit: &Lit, beam: &Beam) -> Shown {
         let (paint, sky) = (self.paints.of(fragment.material), &self.lights.sky);
         let direction = beam.ray.direction;
-        let (normal, tone) = skin.map_or((fragment.normal, 1.0), |it| (it.normal, it.tone));
+        let (normal, tone) = skin.map_or((fragment.normal, DVec3::ONE), |it| (it.normal, it.tone));
         let mean = normal * (1.0 - fragment.spread);
         let mut light = sky.on(mean) + lit.matt;
         if paint.translucent > 0.0 {

@@ -13,7 +13,7 @@ use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
 use crate::fault::{Fault, FaultKind, TrailStep};
 use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, Slot, SystemId, Value};
-use crate::geometry::{Part, Primitive};
+use crate::geometry::{Part, Primitive, Rind};
 use crate::limits::Limits;
 
 /// Where a derivation stands: two states that are equal stand for the same solid.
@@ -80,6 +80,8 @@ pub enum Solid {
         primitive: Primitive,
         /// Its place in the text.
         origin: Origin,
+        /// What is known of its rind, if it is a segment of a stem and paints ask for that.
+        bark: Option<Box<Bark>>,
     },
     /// Whatever a state stands for. The place is that of the call in the text.
     Instance(State, Origin),
@@ -87,6 +89,13 @@ pub enum Solid {
     Intersect(Vec<Group>),
     /// What lies in the first and in none of the others.
     Difference(Box<Group>, Vec<Group>),
+}
+
+/// The surface of a segment.
+#[derive(Clone, Debug)]
+pub struct Bark {
+    /// Its rind.
+    pub rind: Rind,
 }
 
 /// What a node is if it is the same everywhere.
@@ -111,6 +120,8 @@ pub struct Expander<'s> {
     pub(super) seed: u64,
     /// By number of the material: whether its look depends on the frame in which its paint stands.
     in_place: Box<[bool]>,
+    /// Whether it depends on where things are on stems.
+    on_stems: Box<[bool]>,
     liveness: Liveness,
     fixed: Vec<Fixed>,
 }
@@ -124,7 +135,8 @@ impl<'s> Expander<'s> {
             graph,
             limits: *limits,
             seed: scene.seed,
-            in_place: materials.map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
+            in_place: materials.clone().map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
+            on_stems: materials.map(|it| scene.is_painted_on_stems(MaterialId(it))).collect(),
             liveness: Liveness::of(graph),
             fixed: graph.nodes().iter().map(fixed).collect(),
         }
@@ -133,6 +145,18 @@ impl<'s> Expander<'s> {
     /// Whether a material's look depends on the frame in which its paint stands.
     pub(super) fn is_in_place(&self, material: MaterialId) -> bool {
         self.in_place.get(material.0 as usize).is_some_and(|it| *it)
+    }
+
+    /// Whether a material's look depends on where things are on stems.
+    pub(super) fn is_on_stems(&self, material: Option<MaterialId>) -> bool {
+        material.and_then(|it| self.on_stems.get(it.0 as usize)).is_some_and(|it| *it)
+    }
+
+    /// What is to be known of the bark of a part of a stem.
+    pub(super) fn bark(&self, part: &Part) -> Option<Bark> {
+        // Its paint may be one that the shape as a whole is given.
+        let asked = self.on_stems.contains(&true);
+        part.rind.filter(|_| asked).map(|rind| Bark { rind })
     }
 
     /// The state of the whole scene.

@@ -16,7 +16,7 @@ use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
-use crate::geometry::{Aabb, Intervals, Part, Primitive, Ray};
+use crate::geometry::{Aabb, Intervals, Part, Primitive, Ray, Rind};
 use crate::limits::Limits;
 
 /// Traces rays through a scene by the book.
@@ -66,6 +66,10 @@ impl<'s> Reference<'s> {
             let surface = &surfaces[surface as usize];
             seen.push(surface.fragment(ray, t, flipped));
             surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
+            if let Some(rind) = &surface.rind {
+                let standing = Standing { ray: surface.ray, chain: Rc::clone(&surface.chain) };
+                seen.paint_on_stem(standing.painted(t).on(rind));
+            }
         }
         seen.end_ray();
         Ok(())
@@ -156,6 +160,8 @@ struct Surface {
     origin: Origin,
     material: Option<MaterialId>,
     standing: Option<Rc<Standing>>,
+    /// The rind of a segment of a stem, if its look depends on that.
+    rind: Option<Rind>,
     route: Route,
     /// The ray in the primitive's frame.
     ray: Ray,
@@ -236,7 +242,7 @@ impl Walk<'_, '_> {
                 Node::Primitive { kind, code, origin } => {
                     let values = self.machine.primitive(*kind, code, &mut here.env)?;
                     return match Primitive::new(*kind, &values) {
-                        Some(primitive) => self.primitive(&primitive, *origin, &here),
+                        Some(primitive) => self.primitive(&primitive, None, *origin, &here),
                         None => {
                             let kind = FaultKind::Primitive { kind: *kind, values: values.to_vec() };
                             Err(Fault::new(kind, *origin))
@@ -376,7 +382,13 @@ impl Walk<'_, '_> {
         self.from.is_some_and(|it| it.is_through() && it.path.starts_with(&here.site))
     }
 
-    fn primitive(&mut self, primitive: &Primitive, origin: Origin, here: &Here) -> Result<Line, Fault> {
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        rind: Option<Rind>,
+        origin: Origin,
+        here: &Here,
+    ) -> Result<Line, Fault> {
         if self.goes_through(here) {
             return Ok(Line::empty());
         }
@@ -384,9 +396,9 @@ impl Walk<'_, '_> {
         let mut line = Line::empty();
         if primitive.is_solid() {
             let chords = primitive.chords(&here.ray, from);
-            line.inside = Intervals::of_chords(&chords, |it| self.surface(primitive, origin, here, it.face));
+            line.inside = Intervals::of_chords(&chords, |it| self.surface((primitive, rind), origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
-            line.crossings.push((crossing.t, self.surface(primitive, origin, here, crossing.face)));
+            line.crossings.push((crossing.t, self.surface((primitive, rind), origin, here, crossing.face)));
         }
         Ok(line)
     }
@@ -398,12 +410,19 @@ impl Walk<'_, '_> {
     }
 
     /// Notes a surface that was met, and gives it a number.
-    fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
+    fn surface(
+        &mut self,
+        (primitive, rind): (&Primitive, Option<Rind>),
+        origin: Origin,
+        here: &Here,
+        face: u8,
+    ) -> u32 {
         self.surfaces.push(Surface {
             primitive: *primitive,
             origin,
             material: here.material,
             standing: here.standing.clone(),
+            rind,
             route: here.route,
             ray: here.ray,
             chain: Rc::clone(&here.chain),
@@ -451,7 +470,9 @@ impl shapes::Taker for Parts<'_, '_, '_> {
 
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
         let here = self.next(&part.stem_from_part, part.material, route);
-        let line = self.walk.primitive(&part.primitive, part.origin, &here)?;
+        let on_stems = here.material.is_some_and(|it| self.walk.scene.is_painted_on_stems(it));
+        let rind = part.rind.filter(|_| on_stems);
+        let line = self.walk.primitive(&part.primitive, rind, part.origin, &here)?;
         self.lines.push(line);
         Ok(())
     }

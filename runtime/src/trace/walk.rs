@@ -96,7 +96,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                             })?
                         }
                     };
-                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin }, *origin);
+                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin, bark: None }, *origin);
                 }
                 Node::Transform { kind, code, body, origin } => {
                     here.group_from_here *= match self.expander.fixed(node) {
@@ -268,13 +268,14 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     }
 
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        let bark = self.walk.expander.bark(&part).map(Box::new);
         // Segments have a limit of their own.
         self.group.items.push(Item {
             group_from_item: self.here.group_from_here * part.stem_from_part,
             material: part.material.or(self.here.material),
             group_from_paint: self.group_from_paint(part.material).map(Box::new),
             route: self.here.route.then(route),
-            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
+            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin, bark },
         });
         Ok(())
     }

@@ -16,7 +16,7 @@ use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::Route;
+use crate::trace::{Bark, Route};
 
 /// A state expanded and merged.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub(super) struct Cell {
     pub(super) parts: Vec<Part>,
     /// The ways to the frames in which paints stand, of the parts whose look depends on that, by number of the part.
     pub(super) painted: Vec<(u32, DAffine3)>,
+    /// The barks of parts of stems, by number of the part.
+    pub(super) barks: Vec<(u32, Bark)>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
     pub(super) levels: u32,
     /// The box of all in it, in its own frame; empty if it does not end.
@@ -132,6 +134,7 @@ impl Default for Cell {
             booleans: Vec::new(),
             parts: Vec::new(),
             painted: Vec::new(),
+            barks: Vec::new(),
             levels: 0,
             bounds: Aabb::EMPTY,
         }
@@ -143,6 +146,12 @@ impl Cell {
     pub(super) fn paint_from_cell(&self, part: u32) -> Option<&DAffine3> {
         let at = self.painted.binary_search_by_key(&part, |it| it.0).ok()?;
         Some(&self.painted[at].1)
+    }
+
+    /// The bark of a part of a stem, if it is asked for.
+    pub(super) fn bark(&self, part: u32) -> Option<&Bark> {
+        let at = self.barks.binary_search_by_key(&part, |it| it.0).ok()?;
+        Some(&self.barks[at].1)
     }
 
     /// The way into the instance that a part is, and its state; none if the part is no instance.
@@ -274,6 +283,7 @@ impl Cell {
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
         self.painted.shrink_to_fit();
+        self.barks.shrink_to_fit();
         self
     }
 
@@ -296,6 +306,7 @@ impl Cell {
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)
             + size_of_val(&*self.painted)
+            + size_of_val(&*self.barks)
             + always
     }
 }

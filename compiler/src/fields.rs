@@ -78,7 +78,7 @@ pub(crate) const MATERIAL: &[FieldRule] = &[
     field("softness", SHARE),
     later("limb", SHARE),
     field("bump", Texture),
-    later("relief", Texture),
+    field("relief", Texture),
     field("depth", NOT_NEGATIVE),
     later("roughen", NOT_NEGATIVE),
     field("gloss", SHARE),

@@ -79,6 +79,7 @@ fn what_is_no_picture_or_too_large_is_an_error_with_its_place() {
     shown("map.png", &with_sides(png(2, 2, [9; 3]), 60_000, 60_000)).ended(3).saying(&["E0909", "60000 x 60000"]);
     shown("map.png", &with_sides(png(2, 2, [9; 3]), 4096, 4096)).ended(1).saying(&["E0207"]);
     shown("map.png", &with_sides(png(2, 2, [9; 3]), 0, 7)).ended(1).saying(&["E0207"]);
-    let folder = Folder::with(&[("a.tg", "texture M { kind: image } material B { shade: M } scene { show paint(B) box; }")]);
+    let folder =
+        Folder::with(&[("a.tg", "texture M { kind: image } material B { shade: M } scene { show paint(B) box; }")]);
     folder.run(&["a.tg"]).ended(1).saying(&["E0603", "`file`"]);
 }

@@ -29,9 +29,10 @@ pub(crate) fn surfaces(setting: &Setting, used: &[MaterialId]) -> (Vec<Material>
         numbers.insert(texture, number);
         Some(number)
     };
-    for Material { shade, bump, .. } in &mut materials {
+    for Material { shade, bump, relief, .. } in &mut materials {
         *shade = shade.and_then(&mut number);
         *bump = bump.and_then(&mut number);
+        *relief = relief.and_then(&mut number);
     }
     (materials, textures)
 }
@@ -46,6 +47,7 @@ pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Materi
         shade: fields.texture("shade").map(TextureId),
         amount: fields.number("amount").unwrap_or(default.amount),
         bump: fields.texture("bump").map(TextureId),
+        relief: fields.texture("relief").map(TextureId),
         depth: fields.number("depth").unwrap_or(default.depth),
         gloss: fields.number("gloss").unwrap_or(default.gloss),
         mirror: fields.number("mirror").unwrap_or(default.mirror),
@@ -55,11 +57,7 @@ pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Materi
 }
 
 /// A texture; none if its kind has no effect yet.
-pub(super) fn texture(
-    constants: &mut Constants<'_>,
-    pictures: &mut Pictures<'_>,
-    record: &Record,
-) -> Option<Texture> {
+pub(super) fn texture(constants: &mut Constants<'_>, pictures: &mut Pictures<'_>, record: &Record) -> Option<Texture> {
     let kind = record.fields.iter().find_map(|it| match (it.name, &it.value) {
         ("kind", FieldValue::Word(word)) => Some(*word),
         _ => None,

@@ -1,8 +1,11 @@
 //! A scene: one graph, and what is needed to look at it.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{Graph, Origin, Space, Texture, TextureId};
+use crate::geometry::Hide;
 
 /// Names a material of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,14 +48,20 @@ impl Scene {
             return false;
         };
         let texture = |it: TextureId| self.textures.get(it.0 as usize);
-        material.textures().filter_map(texture).any(|it| it.space == Space::Stem)
+        material.relief.is_some() || material.textures().filter_map(texture).any(|it| it.space == Space::Stem)
+    }
+
+    /// The relief of a material, if it has one that is not flat.
+    pub(crate) fn hide(&self, material: &Material) -> Option<Arc<Hide>> {
+        let texture = self.textures.get(material.relief?.0 as usize)?;
+        Hide::new(texture, self.seed, material.depth).map(Arc::new)
     }
 }
 
 impl Material {
     /// All textures that it names.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> {
-        self.shade.into_iter().chain(self.bump)
+        self.shade.into_iter().chain(self.bump).chain(self.relief)
     }
 }
 
@@ -71,7 +80,9 @@ pub struct Material {
     pub amount: f64,
     /// The texture that the surface rises and falls with, as far as its normals are concerned.
     pub bump: Option<TextureId>,
-    /// How high it rises where the texture is 1, in metres.
+    /// The texture that the surface of stems really rises and falls with; on all else it is as `bump`.
+    pub relief: Option<TextureId>,
+    /// How high both rise where the texture is 1, in metres.
     pub depth: f64,
     /// How much it shines, from 0 to 1.
     pub gloss: f64,
@@ -93,6 +104,7 @@ impl Default for Material {
             shade: None,
             amount: 1.0,
             bump: None,
+            relief: None,
             depth: 0.02,
             gloss: 0.0,
             mirror: 0.0,

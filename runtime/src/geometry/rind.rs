@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::primitive::Primitive;
 use super::segment::CutCone;
 
 /// The rind of one segment of a stem.
@@ -21,6 +22,11 @@ pub struct Rind {
 }
 
 impl Rind {
+    /// The segment whose rind it is.
+    pub fn primitive(&self) -> Primitive {
+        Primitive::of_segment(self.cone)
+    }
+
     /// Where the rind is over, or under, a point of the segment's frame.
     pub fn at(&self, point: DVec3) -> DVec3 {
         let across = point.truncate();

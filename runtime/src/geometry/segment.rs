@@ -66,7 +66,7 @@ impl CutCone {
     }
 
     #[inline]
-    fn radius_at(&self, z: f64) -> f64 {
+    pub(super) fn radius_at(&self, z: f64) -> f64 {
         self.radius + self.slope * z
     }
 

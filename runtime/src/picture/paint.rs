@@ -20,6 +20,7 @@ pub(super) struct Paint {
     pub(super) translucent: f64,
     pub(super) shade: Option<Shade>,
     pub(super) bump: Option<Bump>,
+    pub(super) relief: Option<Bump>,
 }
 
 /// A texture that shades a colour.
@@ -72,7 +73,7 @@ impl Paints {
         let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, scene)).collect();
         Self {
             mirrors: paints.iter().any(|it| it.mirror > 0.0),
-            textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some()),
+            textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some() || it.relief.is_some()),
             paints,
         }
     }
@@ -100,6 +101,7 @@ impl Paint {
             translucent: within(material.translucent, 1.0),
             shade: material.shade.and_then(|it| Pattern::new(it, scene)).map(shade),
             bump: material.bump.and_then(|it| Pattern::new(it, scene)).map(bump),
+            relief: material.relief.filter(|_| material.depth > 0.0).and_then(|it| Pattern::new(it, scene)).map(bump),
         }
     }
 

@@ -6,6 +6,7 @@ use super::color::within;
 use super::paint::{Bump, Paint, Paints, Pattern, Shade};
 use super::shade::Pass;
 use crate::form::Space;
+use crate::geometry::Hide;
 use crate::texture::{Footprint, Laid};
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
@@ -57,13 +58,15 @@ pub(super) struct Skin {
     pub(super) tone: DVec3,
     /// Whether the normal was turned.
     pub(super) bumped: bool,
+    /// Whether it really rises and falls: then the fragment's own normal is that of the smooth surface under it.
+    pub(super) real: bool,
 }
 
 impl Skin {
     /// Of a fragment that a beam met.
     fn new(fragment: &Fragment, places: &Places<'_>, paint: &Paint, beam: &Beam) -> Self {
-        let mut skin = Self { normal: fragment.normal, tone: DVec3::ONE, bumped: false };
-        if paint.shade.is_none() && paint.bump.is_none() {
+        let mut skin = Self { normal: fragment.normal, tone: DVec3::ONE, bumped: false, real: false };
+        if paint.shade.is_none() && paint.bump.is_none() && paint.relief.is_none() {
             return skin;
         }
         let footprint = footprint(fragment, beam);
@@ -73,13 +76,33 @@ impl Skin {
                 .map_or_else(|| field.mean_color(), |it| field.color(it.laid, it.point, &it.footprint));
             skin.tone = color.to_array().map(|it| 1.0 - amount * (1.0 - within(it, 1.0))).into();
         }
+        if let Some(relief) = &paint.relief {
+            skin.rise(relief, fragment, places, &footprint);
+        }
         if let Some(Bump { pattern, depth }) = &paint.bump
             && let Some(met) = met(pattern, fragment, places, &footprint)
-            && let Some(normal) = turned(fragment.normal, met.slope(pattern) * *depth, &met.pattern_from_world)
+            && let Some(normal) = turned(skin.normal, met.slope(pattern) * *depth, &met.pattern_from_world)
         {
             (skin.normal, skin.bumped) = (normal, true);
         }
         skin
+    }
+
+    /// Turns the normal by a relief, which is real on stems.
+    fn rise(&mut self, relief: &Bump, fragment: &Fragment, places: &Places<'_>, footprint: &Footprint) {
+        let Bump { pattern, depth } = relief;
+        let (met, depth) = match places.on_stem {
+            Some(place) => {
+                let radius = place.position.truncate().length();
+                (Some(Met::at(Laid::Round, place, footprint)), Hide::share(*depth, radius) * radius)
+            }
+            None => (met(pattern, fragment, places, footprint), *depth),
+        };
+        if let Some(met) = met
+            && let Some(normal) = turned(fragment.normal, met.slope(pattern) * depth, &met.pattern_from_world)
+        {
+            (self.normal, self.bumped, self.real) = (normal, true, places.on_stem.is_some());
+        }
     }
 }
 
@@ -116,7 +139,9 @@ fn met(pattern: &Pattern, fragment: &Fragment, places: &Places<'_>, footprint: &
     match (pattern.space, places) {
         (Space::World, _) => Some(Met { laid: Laid::Flat, point, footprint: *footprint, pattern_from_world }),
         (Space::Stem, Places { on_stem: Some(place), .. }) => Some(Met::at(Laid::Round, place, footprint)),
-        (Space::Object | Space::Stem, Places { painted: Some(place), .. }) => Some(Met::at(Laid::Flat, place, footprint)),
+        (Space::Object | Space::Stem, Places { painted: Some(place), .. }) => {
+            Some(Met::at(Laid::Flat, place, footprint))
+        }
         (Space::Object | Space::Stem, Places { painted: None, .. }) => None,
     }
 }

@@ -6,7 +6,7 @@ use super::color::within;
 use super::light::SunLight;
 use super::paint::Paints;
 use super::shade::{Key, Pass};
-use super::skin::Skins;
+use super::skin::{Skin, Skins};
 use crate::geometry::Ray;
 use crate::trace::{Beam, Fragment, RayFault, Seen, SurfaceBeam, Tracer};
 
@@ -98,8 +98,7 @@ impl Sunlight {
         self.aimed.clear();
         let mut shared = None;
         for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&self.owners).enumerate() {
-            let skin = skins.of(number).map_or(fragment.normal, |it| it.normal);
-            let side = Side::of(fragment, skin, sun);
+            let side = Side::of(fragment, skins.of(number), sun);
             if side == Side::Neither || side == Side::Far && paints.of(fragment.material).translucent == 0.0 {
                 continue;
             }
@@ -150,7 +149,7 @@ impl Sunlight {
             if light == 0.0 {
                 continue;
             }
-            if skin.is_some_and(|it| it.bumped) && fragment.spread == 0.0 {
+            if skin.is_some_and(|it| it.bumped && !it.real) && fragment.spread == 0.0 {
                 // Bumps that face the sun would else be cut off where the surface beneath them turns away.
                 light *= (fragment.normal.dot(sun.toward).abs() * DAWN).min(1.0);
             }
@@ -180,9 +179,11 @@ enum Side {
 
 impl Side {
     /// That of a fragment whose normal the bumps of its skin turn.
-    fn of(fragment: &Fragment, skin: DVec3, sun: &SunLight) -> Self {
+    fn of(fragment: &Fragment, skin: Option<&Skin>, sun: &SunLight) -> Self {
         let faces = |normal: DVec3| normal.dot(sun.toward) > 0.0;
-        match (faces(fragment.normal), faces(skin)) {
+        let turned = skin.map_or(fragment.normal, |it| it.normal);
+        let smooth = if skin.is_some_and(|it| it.real) { turned } else { fragment.normal };
+        match (faces(smooth), faces(turned)) {
             _ if fragment.spread > 0.0 => Self::Near,
             (true, true) => Self::Near,
             (false, false) => Self::Far,

@@ -99,6 +99,29 @@ impl Field {
         if point.is_finite() && color.is_finite() { color } else { tiles.mean_color() }
     }
 
+    /// How high it is at a point, from 0 to 1, without regard to how much of it could be seen.
+    pub(crate) fn height(&self, laid: Laid, point: DVec3) -> f64 {
+        let point = (point - self.offset) * self.shrink;
+        let height = match &self.waves {
+            Waves::Fourier(it) => it.at(point, &Footprint::POINT).value,
+            Waves::Fbm(it) => it.value_at(point),
+            Waves::Image(it) => it.height_at(laid, point),
+        };
+        // What is no number is deep.
+        if height > 0.0 { height.min(1.0) } else { 0.0 }
+    }
+
+    /// About the length of the finest waves that count.
+    pub(crate) fn finest(&self) -> f64 {
+        let own = match &self.waves {
+            Waves::Fourier(it) => it.finest(),
+            Waves::Fbm(it) => it.finest(),
+            // Slopes that last for less than some texels are too low to be missed.
+            Waves::Image(it) => 4.0 * it.finest(),
+        };
+        own / self.shrink.max_element()
+    }
+
     /// Its mean over space: what is left of it far away.
     pub fn mean(&self) -> f64 {
         match &self.waves {

@@ -6,30 +6,33 @@
 //! beam. It is slow, and the oracle of the fast tracer's tests.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::DAffine3;
 use smallvec::SmallVec;
 
 use super::chain::{Chain, Standing};
-use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, shapes, walk};
+use super::{Bark, Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, shapes, walk};
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
-use crate::geometry::{Aabb, Intervals, Part, Primitive, Ray, Rind};
+use crate::geometry::{Aabb, Hide, Intervals, Part, Primitive, Ray, Rind};
 use crate::limits::Limits;
 
 /// Traces rays through a scene by the book.
 #[derive(Debug)]
 pub struct Reference<'s> {
     scene: &'s Scene,
+    /// The reliefs of its materials.
+    hides: Vec<Option<Arc<Hide>>>,
     limits: Limits,
 }
 
 impl<'s> Reference<'s> {
     /// A walker through a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { scene, limits: *limits }
+        Self { scene, hides: scene.materials.iter().map(|it| scene.hide(it)).collect(), limits: *limits }
     }
 
     /// Everything on a line: t from -inf to inf.
@@ -38,6 +41,7 @@ impl<'s> Reference<'s> {
         let mut walk = Walk {
             graph,
             scene: self.scene,
+            hides: &self.hides,
             machine: Machine::new(graph.functions(), self.scene.seed, &self.limits),
             limits: &self.limits,
             from,
@@ -223,6 +227,7 @@ impl Here {
 struct Walk<'w, 's> {
     graph: &'s Graph,
     scene: &'s Scene,
+    hides: &'w [Option<Arc<Hide>>],
     machine: Machine<'s>,
     limits: &'w Limits,
     /// The surface that the ray starts on.
@@ -385,17 +390,22 @@ impl Walk<'_, '_> {
     fn primitive(
         &mut self,
         primitive: &Primitive,
-        rind: Option<Rind>,
+        bark: Option<Bark>,
         origin: Origin,
         here: &Here,
     ) -> Result<Line, Fault> {
+        let rind = bark.as_ref().map(|it| it.rind);
         if self.goes_through(here) {
             return Ok(Line::empty());
         }
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
-            let chords = primitive.chords(&here.ray, from);
+            let relief = bark.as_ref().and_then(Bark::relief);
+            let chords = match relief {
+                Some(relief) => relief.chords(&here.ray, from),
+                None => primitive.chords(&here.ray, from),
+            };
             line.inside = Intervals::of_chords(&chords, |it| self.surface((primitive, rind), origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
             line.crossings.push((crossing.t, self.surface((primitive, rind), origin, here, crossing.face)));
@@ -410,13 +420,7 @@ impl Walk<'_, '_> {
     }
 
     /// Notes a surface that was met, and gives it a number.
-    fn surface(
-        &mut self,
-        (primitive, rind): (&Primitive, Option<Rind>),
-        origin: Origin,
-        here: &Here,
-        face: u8,
-    ) -> u32 {
+    fn surface(&mut self, (primitive, rind): (&Primitive, Option<Rind>), origin: Origin, here: &Here, face: u8) -> u32 {
         self.surfaces.push(Surface {
             primitive: *primitive,
             origin,
@@ -471,8 +475,9 @@ impl shapes::Taker for Parts<'_, '_, '_> {
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
         let here = self.next(&part.stem_from_part, part.material, route);
         let on_stems = here.material.is_some_and(|it| self.walk.scene.is_painted_on_stems(it));
-        let rind = part.rind.filter(|_| on_stems);
-        let line = self.walk.primitive(&part.primitive, rind, part.origin, &here)?;
+        let hide = here.material.and_then(|it| self.walk.hides.get(it.0 as usize)?.clone());
+        let bark = part.rind.filter(|_| on_stems).map(|rind| Bark { rind, hide });
+        let line = self.walk.primitive(&part.primitive, bark, part.origin, &here)?;
         self.lines.push(line);
         Ok(())
     }

@@ -146,7 +146,7 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         }
         // A Boolean that a ray goes through is not asked at all.
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
-        let chords = place.cell.primitive(leaf).chords(&place.ray.line(&leaf.leaf_from_cell), from);
+        let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }

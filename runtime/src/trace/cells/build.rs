@@ -409,6 +409,8 @@ impl Layout<'_, '_, '_> {
                 (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
             }
         };
+        let has_relief = bark.is_some_and(|it| it.hide.is_some());
+        let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
         self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
         (member, primitive_bounds(&primitive, &way.state_from_inner))
     }

@@ -15,7 +15,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Convex, Primitive};
+use crate::geometry::{Aabb, Chords, Convex, Primitive, Ray, Relief};
 use crate::trace::{Bark, Route};
 
 /// A state expanded and merged.
@@ -121,6 +121,8 @@ pub(super) enum LeafShape {
     Convex(Convex),
     /// Any other: its number among [`Cell::others`].
     Other(u32),
+    /// A segment with a relief: its number among [`Cell::barks`].
+    Relief(u32),
 }
 
 impl Default for Cell {
@@ -168,6 +170,20 @@ impl Cell {
         match leaf.shape {
             LeafShape::Convex(convex) => convex.primitive(),
             LeafShape::Other(number) => self.others[number as usize],
+            LeafShape::Relief(number) => self.barks[number as usize].1.rind.primitive(),
+        }
+    }
+
+    /// The relief of a leaf.
+    pub(super) fn relief(&self, leaf: &Leaf) -> Option<Relief<'_>> {
+        if let LeafShape::Relief(number) = leaf.shape { self.barks.get(number as usize)?.1.relief() } else { None }
+    }
+
+    /// The pieces of a line inside a leaf, in the frame of the leaf.
+    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u8>) -> Chords {
+        match self.relief(leaf) {
+            Some(relief) => relief.chords(line, from),
+            None => self.primitive(leaf).chords(line, from),
         }
     }
 }

@@ -576,7 +576,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
             LeafShape::Convex(_) => {}
-            LeafShape::Other(_) => apart = rays,
+            LeafShape::Other(_) | LeafShape::Relief(_) => apart = rays,
         }
         if apart != 0 {
             self.leaf_apart(cell, leaf, apart);

@@ -196,7 +196,7 @@ pub struct Site {
 
 impl Site {
     /// Instead of a face: a ray that starts here goes through the whole solid, as light does through a leaf. It meets neither the
-    /// primitive nor the Boolean that this is a part of.
+    /// primitive nor the stem or the Boolean that this is a part of.
     pub const THROUGH: u8 = u8::MAX;
 
     /// The same place for a ray that goes through the solid.

@@ -5,6 +5,7 @@
 //! Nothing is kept from one ray to the next, nothing is culled, and every recursion is followed to its end, however wide a
 //! beam. It is slow, and the oracle of the fast tracer's tests.
 
+use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -16,8 +17,8 @@ use super::{Bark, Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Trac
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
-use crate::geometry::{Aabb, Hide, Intervals, Part, Primitive, Ray, Rind};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select, Stem};
+use crate::geometry::{Aabb, Hide, Intervals, Joints, Part, Primitive, Ray, Rind};
 use crate::limits::Limits;
 
 /// Traces rays through a scene by the book.
@@ -387,6 +388,12 @@ impl Walk<'_, '_> {
         self.from.is_some_and(|it| it.is_through() && it.path.starts_with(&here.site))
     }
 
+    /// Whether the ray starts in one of these operands at a place, and goes through the solid there.
+    fn goes_into(&self, site: &[u32], operands: Range<usize>) -> bool {
+        let Some(from) = self.from.filter(|it| it.is_through() && it.path.starts_with(site)) else { return false };
+        from.path.get(site.len()).is_some_and(|it| operands.contains(&(*it as usize)))
+    }
+
     fn primitive(
         &mut self,
         primitive: &Primitive,
@@ -469,6 +476,16 @@ impl shapes::Taker for Parts<'_, '_, '_> {
         here.env = placed.env.clone();
         let line = self.walk.pass(placed.solid, here)?;
         self.lines.push(line);
+        Ok(())
+    }
+
+    fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
+        let first = self.lines.len();
+        shapes::each_part(self, stem, joints)?;
+        if self.walk.goes_into(&self.here.site, first..self.lines.len()) {
+            // A ray that goes through a part of it goes through all.
+            self.lines[first..].fill_with(Line::empty);
+        }
         Ok(())
     }
 

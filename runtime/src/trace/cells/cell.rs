@@ -156,6 +156,13 @@ impl Cell {
         Some(&self.barks[at].1)
     }
 
+    /// Whether two parts are one solid: the same, or of one stem.
+    #[cold]
+    pub(super) fn is_one(&self, one: u32, other: u32) -> bool {
+        let [one, other] = [one, other].map(|it| self.parts.get(it as usize).map(|it| it.route));
+        one == other && one.is_some()
+    }
+
     /// The way into the instance that a part is, and its state; none if the part is no instance.
     pub(super) fn way_into(&self, part: u32) -> Option<(&Inwards, u32)> {
         let Named::Instance(number) = self.parts.get(part as usize)?.member.named() else {

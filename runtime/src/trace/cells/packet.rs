@@ -569,6 +569,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 } else {
                     apart |= 1 << ray;
                 }
+            } else if self.ask.from[ray].is_some_and(Site::is_through) && cell.is_one(frame.from[ray], leaf.part) {
+                rays &= !(1 << ray);
             }
         }
         apart &= rays;

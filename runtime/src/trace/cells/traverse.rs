@@ -427,7 +427,7 @@ pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
         if !is_left(leaf, &ray, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
-    } else {
+    } else if !(passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part)) {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
     }
 }

@@ -142,8 +142,8 @@ impl<'r> Relief<'r> {
     fn steps(&self, from: DVec3, to: DVec3) -> u32 {
         let radius = self.rind.cone.radius_at(0.5 * (from.z + to.z));
         let length = (to - from).length() * (self.rind.radius / radius);
-        // Not a number where the radius is 0.
-        (length / self.hide.step).ceil().max(2.0).min(MOST_STEPS) as u32
+        // Not a number, and no steps, where nothing is.
+        (length / self.hide.step).ceil().clamp(2.0, MOST_STEPS) as u32
     }
 }
 

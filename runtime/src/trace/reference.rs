@@ -397,18 +397,18 @@ impl Walk<'_, '_> {
     fn primitive(
         &mut self,
         primitive: &Primitive,
-        bark: Option<Bark>,
+        bark: Option<&Bark>,
         origin: Origin,
         here: &Here,
     ) -> Result<Line, Fault> {
-        let rind = bark.as_ref().map(|it| it.rind);
+        let rind = bark.map(|it| it.rind);
         if self.goes_through(here) {
             return Ok(Line::empty());
         }
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
-            let relief = bark.as_ref().and_then(Bark::relief);
+            let relief = bark.and_then(Bark::relief);
             let chords = match relief {
                 Some(relief) => relief.chords(&here.ray, from),
                 None => primitive.chords(&here.ray, from),
@@ -494,7 +494,7 @@ impl shapes::Taker for Parts<'_, '_, '_> {
         let on_stems = here.material.is_some_and(|it| self.walk.scene.is_painted_on_stems(it));
         let hide = here.material.and_then(|it| self.walk.hides.get(it.0 as usize)?.clone());
         let bark = part.rind.filter(|_| on_stems).map(|rind| Bark { rind, hide });
-        let line = self.walk.primitive(&part.primitive, bark, part.origin, &here)?;
+        let line = self.walk.primitive(&part.primitive, bark.as_ref(), part.origin, &here)?;
         self.lines.push(line);
         Ok(())
     }

@@ -124,7 +124,8 @@ pub struct Fragment {
     /// Where in the world.
     pub position: DVec3,
     /// The surface's normal there, of length 1. It points out of the solid; a surface without an inside shows its normal on the
-    /// side that the ray came from. Of many surfaces that are too small to be told apart it is the direction of the mean normal.
+    /// side that the ray came from. Where the surface is a relief it is that of the smooth one over it. Of many surfaces that are
+    /// too small to be told apart it is the direction of the mean normal.
     pub normal: DVec3,
     /// How much the normals there differ: 0 where there is one, up to 1 where there are those of all sides. The mean normal has
     /// the length 1 - spread.

@@ -14,7 +14,7 @@ use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
 
 /// Smaller forms, for the reference walker goes through every copy on every ray.
-const SETTINGS: [(&str, &str, &str); 18] = [
+const SETTINGS: [(&str, &str, &str); 19] = [
     ("autumn", "Litter.leaves", "60"),
     ("autumn", "Tree.age", "3"),
     ("carpenter", "Carpenter.order", "3"),
@@ -24,6 +24,7 @@ const SETTINGS: [(&str, &str, &str); 18] = [
     ("flower", "Flower.petals", "9"),
     ("landsberg", "order", "4"),
     ("menger", "Menger.order", "2"),
+    ("oasis", "palms.Palm.fronds", "4"),
     ("palm_csg", "Palm.leaflets", "6"),
     ("palm_csg", "Palm.rings", "5"),
     ("palm_csg", "Palm.twigs", "4"),

@@ -78,23 +78,23 @@ pub(crate) const MATERIAL: &[FieldRule] = &[
     field("softness", SHARE),
     later("limb", SHARE),
     field("bump", Texture),
-    later("relief", Texture),
+    field("relief", Texture),
     field("depth", NOT_NEGATIVE),
     later("roughen", NOT_NEGATIVE),
     field("gloss", SHARE),
     field("mirror", SHARE),
-    later("translucent", SHARE),
+    field("translucent", SHARE),
 ];
 
 /// The kinds of texture.
 pub(crate) const TEXTURE_KINDS: &[&str] = &["fourier", "fbm", "chunks", "elevation", "image"];
 
 /// Those that have no effect yet.
-pub(crate) const LATER_TEXTURE_KINDS: &[&str] = &["chunks", "elevation", "image"];
+pub(crate) const LATER_TEXTURE_KINDS: &[&str] = &["chunks", "elevation"];
 
 const TEXTURE: [FieldRule; 5] = [
     field("kind", Words(TEXTURE_KINDS)),
-    field("space", Words(&["object", "world"])),
+    field("space", Words(&["object", "stem", "world"])),
     field("seed", ANY),
     field("stretch", Factors),
     field("offset", Vector(3)),

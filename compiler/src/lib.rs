@@ -13,6 +13,7 @@ mod graph;
 mod load;
 mod loader;
 mod lower;
+mod pictures;
 mod problem;
 mod program;
 mod resolve;
@@ -24,7 +25,7 @@ mod sources;
 mod vocabulary;
 mod words;
 
-pub use loader::{LoadError, Loaded, Loader, NoFiles};
+pub use loader::{LoadError, Loaded, LoadedBytes, Loader, NoFiles};
 pub use problem::{Edit, Label, Problem, Safety, Severity, Suggestion};
 pub use settings::Setting;
 pub use show::show;
@@ -76,7 +77,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     check::check(&mut program, &mut problems);
     let given = constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
     let mut constants = constant::Constants::find(&program, &vocabulary, given);
-    let setting = scene::setting(&mut constants);
+    let setting = scene::setting(&mut constants, &mut pictures::Pictures::new(loader, &sources));
     let found = constants.done();
     problems.extend(found.problems);
     settings::mark(&mut problems, units.len());

@@ -11,6 +11,7 @@ mod interrupts;
 mod measure;
 mod mesh;
 mod output;
+mod pictures;
 mod same_bytes;
 mod scan;
 mod support;

@@ -1,5 +1,7 @@
 //! Values of fields: found, and held against the field's type and range.
 
+use std::sync::Arc;
+
 use treegen_grammar::Span;
 use treegen_runtime::form::Value;
 
@@ -17,6 +19,7 @@ pub(super) enum Data {
     Word(&'static str),
     /// A texture, by its number.
     Texture(u32),
+    Text(Arc<str>),
     /// What is checked and has no effect yet.
     Other,
 }
@@ -71,7 +74,8 @@ fn fitting(kind: FieldType, value: &Value) -> Option<Data> {
         (FieldType::Colors, Value::List(it)) => {
             it.iter().all(|it| fitting(FieldType::Color, it).is_some()).then_some(Data::Other)
         }
-        (FieldType::Truth, Value::Bool(_)) | (FieldType::Text, Value::Text(_)) => Some(Data::Other),
+        (FieldType::Text, Value::Text(it)) => Some(Data::Text(it.as_ref().into())),
+        (FieldType::Truth, Value::Bool(_)) => Some(Data::Other),
         _ => None,
     }
 }

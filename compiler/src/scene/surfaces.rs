@@ -3,13 +3,15 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use treegen_runtime::form::{Fbm, Fourier, Material, Pattern, Space, Texture, TextureId};
+use treegen_runtime::form::{Fbm, Fourier, Image, Material, Pattern, Space, Texture, TextureId};
 
 use super::{Fields, Setting};
 use crate::constant::Constants;
 use crate::fields as rules;
 use crate::lower::origin;
+use crate::pictures::Pictures;
 use crate::program::{FieldValue, MaterialId, Record};
+use crate::words;
 
 /// The materials that a graph names, in its order, and the textures that these name.
 pub(crate) fn surfaces(setting: &Setting, used: &[MaterialId]) -> (Vec<Material>, Vec<Texture>) {
@@ -27,9 +29,10 @@ pub(crate) fn surfaces(setting: &Setting, used: &[MaterialId]) -> (Vec<Material>
         numbers.insert(texture, number);
         Some(number)
     };
-    for Material { shade, bump, .. } in &mut materials {
+    for Material { shade, bump, relief, .. } in &mut materials {
         *shade = shade.and_then(&mut number);
         *bump = bump.and_then(&mut number);
+        *relief = relief.and_then(&mut number);
     }
     (materials, textures)
 }
@@ -44,15 +47,17 @@ pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Materi
         shade: fields.texture("shade").map(TextureId),
         amount: fields.number("amount").unwrap_or(default.amount),
         bump: fields.texture("bump").map(TextureId),
+        relief: fields.texture("relief").map(TextureId),
         depth: fields.number("depth").unwrap_or(default.depth),
         gloss: fields.number("gloss").unwrap_or(default.gloss),
         mirror: fields.number("mirror").unwrap_or(default.mirror),
+        translucent: fields.number("translucent").unwrap_or(default.translucent),
         origin: origin(record.span),
     }
 }
 
 /// A texture; none if its kind has no effect yet.
-pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<Texture> {
+pub(super) fn texture(constants: &mut Constants<'_>, pictures: &mut Pictures<'_>, record: &Record) -> Option<Texture> {
     let kind = record.fields.iter().find_map(|it| match (it.name, &it.value) {
         ("kind", FieldValue::Word(word)) => Some(*word),
         _ => None,
@@ -61,6 +66,7 @@ pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<
     let pattern = match kind {
         "fourier" => Pattern::Fourier(fourier(&fields)),
         "fbm" => Pattern::Fbm(fbm(&fields)),
+        "image" => Pattern::Image(image(constants, pictures, record, &fields)?),
         _ => return None,
     };
     let default = Texture::new(pattern);
@@ -68,6 +74,7 @@ pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<
         name: record.name.clone(),
         space: match fields.word("space") {
             Some("object") => Space::Object,
+            Some("stem") => Space::Stem,
             Some(_) => Space::World,
             None => default.space,
         },
@@ -77,6 +84,29 @@ pub(super) fn texture(constants: &mut Constants<'_>, record: &Record) -> Option<
         origin: origin(record.span),
         ..default
     })
+}
+
+/// What an image shows; none if there is a problem with it, which is then reported.
+fn image(
+    constants: &mut Constants<'_>,
+    pictures: &mut Pictures<'_>,
+    record: &Record,
+    fields: &Fields<'_>,
+) -> Option<Image> {
+    if fields.broken {
+        return None;
+    }
+    let (Some(file), Some(span)) = (fields.text("file"), fields.value_span("file")) else {
+        constants.report(words::records::missing_field("an `image` texture", "file", record.span));
+        return None;
+    };
+    match pictures.find(file, span) {
+        Ok(raster) => Some(Image { raster, size: fields.number("size").unwrap_or(1.0) }),
+        Err(problem) => {
+            constants.report(problem);
+            None
+        }
+    }
 }
 
 fn fourier(fields: &Fields<'_>) -> Fourier {

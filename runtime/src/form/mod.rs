@@ -8,6 +8,7 @@ mod graph;
 mod graph_check;
 mod origin;
 mod primitive;
+mod raster;
 mod scene;
 mod segments;
 mod texture;
@@ -22,8 +23,9 @@ pub use graph::{
 };
 pub use origin::Origin;
 pub use primitive::PrimitiveKind;
+pub use raster::{Raster, Texel};
 pub use scene::{Background, Camera, ImageSettings, Lens, Material, MaterialId, Scene, Sky, Sun};
 pub use segments::{Segment, SegmentList, Stem, StemEnd, StemStart};
-pub use texture::{Fbm, Fourier, Pattern, Space, Texture, TextureId};
+pub use texture::{Fbm, Fourier, Image, Pattern, Space, Texture, TextureId};
 pub use value::{Value, Vector};
 pub use walk::{Bracket, Module, ModuleId, Shape, ShapeId, Stride, Walk, WalkRule};

@@ -1,8 +1,10 @@
 //! Textures: patterns in space, as plain data.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
-use super::Origin;
+use super::{Origin, Raster};
 
 /// Names a texture of a [`Scene`](super::Scene).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -32,17 +34,22 @@ pub struct Texture {
 pub enum Space {
     /// The frame in which the paint stands: the pattern goes with the thing it is on.
     Object,
+    /// On the stems of plants: the stem itself, as if it were straight and as thick everywhere as where it is thickest. On all else
+    /// as [`Space::Object`].
+    Stem,
     /// The world: one pattern runs on across all things.
     World,
 }
 
 /// The kinds of pattern.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Pattern {
     /// Sums of sine waves in x and in y, multiplied (G84, equation 15).
     Fourier(Fourier),
     /// Fractional Brownian motion: noise on noise of half the size.
     Fbm(Fbm),
+    /// Tiles that show a picture.
+    Image(Image),
 }
 
 /// The numbers of a [`Pattern::Fourier`].
@@ -71,6 +78,15 @@ pub struct Fbm {
     pub frequency: f64,
     /// By how much the frequency grows from one size to the next; above 0.
     pub lacunarity: f64,
+}
+
+/// What a [`Pattern::Image`] shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The picture.
+    pub raster: Arc<Raster>,
+    /// How many metres a tile is wide and high; above 0. Round a stem goes a whole number of tiles.
+    pub size: f64,
 }
 
 impl Fourier {
@@ -103,6 +119,7 @@ impl Texture {
             space: match pattern {
                 Pattern::Fourier(_) => Space::World,
                 Pattern::Fbm(_) => Space::Object,
+                Pattern::Image(_) => Space::Stem,
             },
             seed: 0.0,
             stretch: DVec3::ONE,

@@ -106,6 +106,11 @@ impl Primitive {
         }
     }
 
+    /// The segment that is this frustum.
+    pub(super) fn of_segment(cone: CutCone) -> Self {
+        Self { shape: Shape::Segment(cone) }
+    }
+
     /// The primitive that this convex one is.
     pub(super) fn of_convex(convex: &Convex) -> Self {
         let shape = match *convex {

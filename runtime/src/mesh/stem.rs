@@ -92,6 +92,7 @@ pub(super) fn add_ball(part: &Part, surface: &mut Surface) {
 pub(super) fn single(primitive: &Primitive, surface: &mut Surface) {
     let wrap = Wrap { turn: 0.0, along: [0.0, 1.0] };
     let part = Part {
+        rind: None,
         primitive: *primitive,
         parameters: None,
         wrap,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::color::{linear, within};
-use crate::eval::spread;
+use crate::eval::{fraction, spread};
 use crate::form::{Material, MaterialId, Scene, Space, TextureId};
 use crate::texture::Field;
 
@@ -16,8 +16,11 @@ pub(super) struct Paint {
     pub(super) gloss: Option<Gloss>,
     /// How much of what is seen straight in it is a mirror image.
     pub(super) mirror: f64,
+    /// How much of the light that it scatters comes through from the other side.
+    pub(super) translucent: f64,
     pub(super) shade: Option<Shade>,
     pub(super) bump: Option<Bump>,
+    pub(super) relief: Option<Bump>,
 }
 
 /// A texture that shades a colour.
@@ -70,7 +73,7 @@ impl Paints {
         let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, scene)).collect();
         Self {
             mirrors: paints.iter().any(|it| it.mirror > 0.0),
-            textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some()),
+            textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some() || it.relief.is_some()),
             paints,
         }
     }
@@ -95,8 +98,10 @@ impl Paint {
             linear: linear(srgb),
             gloss: Gloss::new(material.gloss),
             mirror: within(material.mirror, 1.0),
+            translucent: within(material.translucent, 1.0),
             shade: material.shade.and_then(|it| Pattern::new(it, scene)).map(shade),
             bump: material.bump.and_then(|it| Pattern::new(it, scene)).map(bump),
+            relief: material.relief.filter(|_| material.depth > 0.0).and_then(|it| Pattern::new(it, scene)).map(bump),
         }
     }
 
@@ -120,7 +125,7 @@ impl Pattern {
 pub(crate) fn varied(color: DVec3, range: DVec3, route: u64) -> DVec3 {
     let red = spread(route);
     let green = spread(red);
-    color + range * DVec3::new(uniform(red), uniform(green), uniform(spread(green)))
+    color + range * DVec3::new(fraction(red), fraction(green), fraction(spread(green)))
 }
 
 impl Gloss {
@@ -150,9 +155,4 @@ impl Gloss {
         let fade = (normal.dot(toward) * 8.0).min(1.0);
         self.strength * fade * (cosine + (cosine * cosine - cosine) * self.part)
     }
-}
-
-/// A number from 0 to 1, without 1.
-fn uniform(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1u64 << 53) as f64
 }

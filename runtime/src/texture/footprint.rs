@@ -36,6 +36,11 @@ impl Footprint {
         Self { across: *matrix * self.across, along: *matrix * self.along }
     }
 
+    /// The deviations along its two axes.
+    pub(super) fn axes(&self) -> [DVec3; 2] {
+        [self.across, self.along]
+    }
+
     pub(super) fn scaled(&self, factors: DVec3) -> Self {
         Self { across: self.across * factors, along: self.along * factors }
     }

@@ -310,6 +310,12 @@ impl<'q> Ask<'q> {
         self.from.map(|it| it.face)
     }
 
+    /// Whether the ray goes through the solid that it starts on.
+    #[inline]
+    pub(super) fn goes_through(&self) -> bool {
+        self.from.is_some_and(Site::is_through)
+    }
+
     /// What a piece of the ray inside a solid, or a surface met (with no `far`), says to the question.
     #[inline(always)]
     pub(super) fn meet(&mut self, near: Event, far: Option<Event>) {

@@ -144,8 +144,9 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
             let origin = place.cell.parts[leaf.part as usize].origin;
             return Err(Fault::new(FaultKind::Open(place.cell.primitive(leaf).kind()), origin));
         }
+        // A Boolean that a ray goes through is not asked at all.
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
-        let chords = place.cell.primitive(leaf).chords(&place.ray.line(&leaf.leaf_from_cell), from);
+        let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }
@@ -219,7 +220,7 @@ fn first_part(cell: &Cell, member: Ref) -> u32 {
     match member.named() {
         Named::Leaf(number) => cell.leaves[number as usize].part,
         Named::Instance(number) => cell.instances[number as usize].part,
-        Named::Boolean(number) => cell.booleans[number as usize].part,
+        Named::Boolean(number) => cell.booleans[number as usize].parts.start,
         Named::Node(number) => number,
     }
 }

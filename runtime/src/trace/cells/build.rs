@@ -21,7 +21,7 @@ use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::{Group, Item, Route, Solid, State};
+use crate::trace::{Bark, Group, Item, Route, Solid, State};
 
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
@@ -91,7 +91,7 @@ struct Way {
 }
 
 enum Outline {
-    Leaf(Primitive, Origin),
+    Leaf(Primitive, Origin, Option<Box<Bark>>),
     Instance(u32, Origin),
     Boolean { difference: bool, operands: Vec<Vec<Draft>> },
 }
@@ -140,7 +140,7 @@ fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft
     for piece in pieces {
         let way = way.to_piece(piece);
         let shape = match &piece.shape {
-            Shape::Leaf(primitive, origin) => Outline::Leaf(**primitive, *origin),
+            Shape::Leaf(primitive, origin, bark) => Outline::Leaf(**primitive, *origin, bark.clone()),
             Shape::Instance(state, origin) => {
                 draft_state(shop, *state, *origin, way, drafts)?;
                 continue;
@@ -208,7 +208,7 @@ fn draft_group(shop: &mut Workshop, group: Group, way: Way, drafts: &mut Vec<Dra
     for item in group.items {
         let way = way.to_item(&item);
         let shape = match item.solid {
-            Solid::Leaf { primitive, origin } => Outline::Leaf(primitive, origin),
+            Solid::Leaf { primitive, origin, bark } => Outline::Leaf(primitive, origin, bark),
             Solid::Instance(state, origin) if shop.store.survey.is_rare(&state) => {
                 draft_afresh(shop, &state, origin, Way { levels: way.levels + 1, ..way }, drafts)?;
                 continue;
@@ -391,15 +391,16 @@ impl Layout<'_, '_, '_> {
     fn member(&mut self, draft: Draft) -> Result<(Ref, Aabb), Fault> {
         let Draft { way, shape } = draft;
         match shape {
-            Outline::Leaf(primitive, origin) => Ok(self.leaf(&way, primitive, origin)),
+            Outline::Leaf(primitive, origin, bark) => Ok(self.leaf(&way, primitive, origin, bark.as_deref())),
             Outline::Instance(state, origin) => self.instance(&way, state, origin),
             Outline::Boolean { difference, operands } => self.boolean(difference, operands),
         }
     }
 
-    fn leaf(&mut self, way: &Way, primitive: Primitive, origin: Origin) -> (Ref, Aabb) {
+    fn leaf(&mut self, way: &Way, primitive: Primitive, origin: Origin, bark: Option<&Bark>) -> (Ref, Aabb) {
         let member = Ref::new(Named::Leaf(self.cell.leaves.len() as u32));
         let part = self.part(member, way, origin);
+        self.cell.barks.extend(bark.map(|it| (part, it.clone())));
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
         let (leaf_from_cell, shape) = match tame(&primitive, &leaf_from_cell) {
             Some((leaf_from_cell, convex)) => (leaf_from_cell, LeafShape::Convex(convex)),
@@ -408,6 +409,8 @@ impl Layout<'_, '_, '_> {
                 (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
             }
         };
+        let has_relief = bark.is_some_and(|it| it.hide.is_some());
+        let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
         self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
         (member, primitive_bounds(&primitive, &way.state_from_inner))
     }
@@ -457,7 +460,8 @@ impl Layout<'_, '_, '_> {
         let size = (whole.max - whole.min).max_element() / self.frame.size;
         let tolerance = TOLERANCE * if size.is_finite() { size.max(0.0) } else { 1.0 };
         let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
-        self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
+        let parts = part..self.cell.parts.len() as u32;
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
 }

@@ -15,8 +15,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::Route;
+use crate::geometry::{Aabb, Chords, Convex, Primitive, Ray, Relief};
+use crate::trace::{Bark, Route};
 
 /// How far a state is merged with those in it.
 ///
@@ -75,6 +75,8 @@ pub(super) struct Cell {
     pub(super) parts: Vec<Part>,
     /// The ways to the frames in which paints stand, of the parts whose look depends on that, by number of the part.
     pub(super) painted: Vec<(u32, DAffine3)>,
+    /// The barks of parts of stems, by number of the part.
+    pub(super) barks: Vec<(u32, Bark)>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
     pub(super) levels: u32,
     /// The box of all in it, in its own frame; empty if it does not end.
@@ -157,6 +159,8 @@ pub(super) enum LeafShape {
     Convex(Convex),
     /// Any other: its number among [`Cell::others`].
     Other(u32),
+    /// A segment with a relief: its number among [`Cell::barks`].
+    Relief(u32),
 }
 
 impl Default for Cell {
@@ -170,6 +174,7 @@ impl Default for Cell {
             booleans: Vec::new(),
             parts: Vec::new(),
             painted: Vec::new(),
+            barks: Vec::new(),
             levels: 0,
             bounds: Aabb::EMPTY,
         }
@@ -181,6 +186,19 @@ impl Cell {
     pub(super) fn paint_from_cell(&self, part: u32) -> Option<&DAffine3> {
         let at = self.painted.binary_search_by_key(&part, |it| it.0).ok()?;
         Some(&self.painted[at].1)
+    }
+
+    /// The bark of a part of a stem, if it is asked for.
+    pub(super) fn bark(&self, part: u32) -> Option<&Bark> {
+        let at = self.barks.binary_search_by_key(&part, |it| it.0).ok()?;
+        Some(&self.barks[at].1)
+    }
+
+    /// Whether two parts are one solid: the same, or of one stem.
+    #[cold]
+    pub(super) fn is_one(&self, one: u32, other: u32) -> bool {
+        let [one, other] = [one, other].map(|it| self.parts.get(it as usize).map(|it| it.route));
+        one == other && one.is_some()
     }
 
     /// The way into the instance that a part is, and its state; none if the part is no instance.
@@ -197,6 +215,20 @@ impl Cell {
         match leaf.shape {
             LeafShape::Convex(convex) => convex.primitive(),
             LeafShape::Other(number) => self.others[number as usize],
+            LeafShape::Relief(number) => self.barks[number as usize].1.rind.primitive(),
+        }
+    }
+
+    /// The relief of a leaf.
+    pub(super) fn relief(&self, leaf: &Leaf) -> Option<Relief<'_>> {
+        if let LeafShape::Relief(number) = leaf.shape { self.barks.get(number as usize)?.1.relief() } else { None }
+    }
+
+    /// The pieces of a line inside a leaf, in the frame of the leaf.
+    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u8>) -> Chords {
+        match self.relief(leaf) {
+            Some(relief) => relief.chords(line, from),
+            None => self.primitive(leaf).chords(line, from),
         }
     }
 }
@@ -227,8 +259,8 @@ pub(super) struct Boolean {
     pub(super) difference: bool,
     /// The operands, numbers of unions.
     pub(super) operands: Range<u32>,
-    /// The number of the first part in it.
-    pub(super) part: u32,
+    /// The numbers of the parts in it.
+    pub(super) parts: Range<u32>,
     /// How near events count as one: 1e-12 of its size.
     pub(super) tolerance: f64,
 }
@@ -320,6 +352,7 @@ impl Cell {
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
         self.painted.shrink_to_fit();
+        self.barks.shrink_to_fit();
         self
     }
 
@@ -342,6 +375,7 @@ impl Cell {
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)
             + size_of_val(&*self.painted)
+            + size_of_val(&*self.barks)
             + always
     }
 }

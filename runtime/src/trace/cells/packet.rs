@@ -632,6 +632,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 } else {
                     apart |= 1 << ray;
                 }
+            } else if self.ask.from[ray].is_some_and(Site::is_through) && cell.is_one(frame.from[ray], leaf.part) {
+                rays &= !(1 << ray);
             }
         }
         apart &= rays;
@@ -639,7 +641,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
             LeafShape::Convex(_) => {}
-            LeafShape::Other(_) => apart = rays,
+            LeafShape::Other(_) | LeafShape::Relief(_) => apart = rays,
         }
         if apart != 0 {
             self.leaf_apart(cell, leaf, apart);

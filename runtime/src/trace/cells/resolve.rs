@@ -336,6 +336,23 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
         self.stand(place, mark.part, (hit.ray, hit.depth), seen);
+        self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
+    }
+
+    /// Tells the last fragment where it is on the rind of its stem, if its look depends on that.
+    #[inline]
+    fn stand_on_stem(&self, place: &Place, number: u32, at: (&Ray, f64), seen: &mut Seen) {
+        let cell = self.cell_of(place);
+        let (Some(bark), Some(part)) = (cell.bark(number), cell.parts.get(number as usize)) else {
+            return;
+        };
+        if let Named::Leaf(leaf) = part.member.named()
+            && self.store.expander.is_on_stems(part.material.or(place.material))
+        {
+            let leaf_from_cell = cell.leaves[leaf as usize].leaf_from_cell;
+            let standing = Standing { ways: place.path.len(), paint_from_cell: leaf_from_cell };
+            seen.paint_on_stem(self.painted(place, &standing, at).on(&bark.rind));
+        }
     }
 
     /// Tells the last fragment where it is in the frame in which its paint stands, if its look depends on that.

@@ -101,7 +101,7 @@ impl Workshop<'_, '_> {
     fn loose_of(&mut self, piece: &Piece) -> Result<Loose, Fault> {
         let map = &piece.outer_from_inner;
         match &piece.shape {
-            Shape::Leaf(primitive, _) => Ok(Loose::of_primitive(primitive, map)),
+            Shape::Leaf(primitive, ..) => Ok(Loose::of_primitive(primitive, map)),
             Shape::Instance(state, _) => self.loose_through(*state, map),
             Shape::Intersect(operands) => {
                 let mut whole: Option<Loose> = None;
@@ -164,7 +164,7 @@ impl Reach {
             let inner = map.matrix3.transpose() * direction;
             let offset = offset + map.translation.dot(direction);
             match &piece.shape {
-                Shape::Leaf(primitive, _) => self.best = self.best.max(offset + primitive.support(inner)),
+                Shape::Leaf(primitive, ..) => self.best = self.best.max(offset + primitive.support(inner)),
                 Shape::Instance(state, _) => self.meet(shop, *state, inner, offset)?,
                 Shape::Intersect(operands) => {
                     let mut least = f64::INFINITY;

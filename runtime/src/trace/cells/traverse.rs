@@ -14,8 +14,9 @@ use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{FACE, Side};
+use crate::geometry::{Crossing, FACE, Ray, Relief, Side};
 use crate::lanes::{Kernel, One};
+use crate::trace::Site;
 
 /// What all searches share.
 pub(super) struct Tracing<'a, 's, K> {
@@ -394,6 +395,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(());
         };
+        if boolean.parts.contains(&passage.from) && ask.goes_through() {
+            return Ok(());
+        }
         let place = Place::new(cell, passage);
         let range = if self.tracing.cull {
             let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
@@ -438,7 +442,7 @@ pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
         if !is_left(leaf, &ray, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
-    } else {
+    } else if !(passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part)) {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
     }
 }
@@ -447,8 +451,9 @@ pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
 #[inline(always)]
 pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
     match (leaf.shape, face) {
+        (_, Some(Site::THROUGH)) => true,
         (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
-        (LeafShape::Convex(_) | LeafShape::Other(_), _) => false,
+        (LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
     }
 }
 
@@ -456,7 +461,9 @@ pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
     let convex = match leaf.shape {
         LeafShape::Convex(convex) if ray.is_tame() => convex,
-        LeafShape::Convex(_) | LeafShape::Other(_) => return meet_primitive(ask, cell, leaf, trail, ray, None),
+        LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => {
+            return meet_primitive(ask, cell, leaf, trail, ray, None);
+        }
     };
     let pieces = convex.pieces(One::new(), &ray.lines(&leaf.leaf_from_cell));
     if pieces.odd.value {
@@ -475,20 +482,41 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
 #[cold]
 #[inline(never)]
 fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u8>) {
-    let primitive = cell.primitive(leaf);
     let line = ray.line(&leaf.leaf_from_cell);
     let event = |t: f64, face: u8| {
         let mark = Mark { trail, part: leaf.part, face };
         Event { t: ray.world(t), mark, flipped: false }
     };
     if leaf.solid {
-        for chord in primitive.chords(&line, from) {
+        let relief = cell.relief(leaf);
+        if let Some(relief) = &relief
+            && let Some(entry) = first_entry(ask, relief, &line, ray, from)
+        {
+            entry
+                .iter()
+                .for_each(|it| ask.meet(event(it.t, it.face), Some(Event { t: f64::MAX, ..event(it.t, it.face) })));
+            return;
+        }
+        for chord in cell.chords(leaf, &line, from) {
             let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
             ask.meet(near, Some(far));
         }
-    } else if let Some(crossing) = primitive.crossing(&line, from) {
+    } else if let Some(crossing) = cell.primitive(leaf).crossing(&line, from) {
         ask.meet(event(crossing.t, crossing.face), None);
     }
+}
+
+/// Where a ray first comes into a relief, or that it does not, if that is all that is asked: it starts outside or on the surface.
+fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option<u8>) -> Option<Option<Crossing>> {
+    if !matches!(ask.question, Question::Nearest | Question::Any) {
+        return None;
+    }
+    let outer = relief.primitive().chords(line, None);
+    let (near, far) = outer.first().map_or((f64::INFINITY, 0.0), |it| (ray.world(it.near.t), ray.world(it.far.t)));
+    if from.is_none() && (near > ask.best || far < 0.0) {
+        return Some(None);
+    }
+    (from.is_some() || near > 0.0).then(|| relief.entry(line, from))
 }
 
 /// Where on a ray nothing more is of interest.

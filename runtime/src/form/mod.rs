@@ -11,6 +11,7 @@ mod primitive;
 mod scene;
 mod segments;
 mod texture;
+mod unclipped;
 mod value;
 mod walk;
 mod walk_check;
@@ -26,4 +27,4 @@ pub use scene::{Background, Camera, ImageSettings, Lens, Material, MaterialId, S
 pub use segments::{Segment, SegmentList, Stem, StemEnd, StemStart};
 pub use texture::{Fbm, Fourier, Pattern, Space, Texture, TextureId};
 pub use value::{Value, Vector};
-pub use walk::{Bracket, Module, ModuleId, Shape, ShapeId, Stride, Walk, WalkRule};
+pub use walk::{Bracket, Module, ModuleId, Order, Shape, ShapeId, Splitting, Stride, Walk, WalkRule};

@@ -163,7 +163,7 @@ pub struct Site {
     /// The parts on the way.
     pub path: SmallVec<[u32; 12]>,
     /// The face of the primitive.
-    pub face: u8,
+    pub face: u16,
 }
 
 /// A ray as wide as what it stands for: recursion is not followed into what is smaller.

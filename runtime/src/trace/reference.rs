@@ -389,9 +389,9 @@ impl Walk<'_, '_> {
     }
 
     /// Notes a surface that was met, and gives it a number.
-    fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
+    fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u16) -> u32 {
         self.surfaces.push(Surface {
-            primitive: *primitive,
+            primitive: primitive.clone(),
             origin,
             material: here.material,
             standing: here.standing.clone(),
@@ -443,6 +443,13 @@ impl shapes::Taker for Parts<'_, '_, '_> {
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
         let here = self.next(&part.stem_from_part, part.material, route);
         let line = self.walk.primitive(&part.primitive, part.origin, &here)?;
+        self.lines.push(line);
+        Ok(())
+    }
+
+    fn hull(&mut self, hull: shapes::Hull) -> Result<(), Fault> {
+        let here = self.next(&DAffine3::IDENTITY, hull.material, Route::START);
+        let line = self.walk.primitive(&hull.primitive, hull.origin, &here)?;
         self.lines.push(line);
         Ok(())
     }

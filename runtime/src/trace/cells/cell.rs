@@ -15,7 +15,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Convex, Primitive};
+use crate::geometry::{Aabb, Convex, ConvexSet, Primitive, Ray};
 use crate::trace::Route;
 
 /// A state expanded and merged.
@@ -117,6 +117,8 @@ pub(super) struct Leaf {
 pub(super) enum LeafShape {
     /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared.
     Convex(Convex),
+    /// A convex set, in such a frame: its number among [`Cell::others`].
+    Hull(u32),
     /// Any other: its number among [`Cell::others`].
     Other(u32),
 }
@@ -154,11 +156,29 @@ impl Cell {
         Some((way, *state))
     }
 
-    /// A leaf as a primitive.
-    pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
+    /// Calls `ask` with a leaf as a primitive.
+    pub(super) fn with_primitive<T>(&self, leaf: &Leaf, ask: impl FnOnce(&Primitive) -> T) -> T {
         match leaf.shape {
-            LeafShape::Convex(convex) => convex.primitive(),
-            LeafShape::Other(number) => self.others[number as usize],
+            LeafShape::Convex(convex) => ask(&convex.primitive()),
+            LeafShape::Hull(number) | LeafShape::Other(number) => ask(&self.others[number as usize]),
+        }
+    }
+
+    /// The face that a line meets at t, for a mark that does not tell the faces of a convex set apart.
+    pub(super) fn face(&self, leaf: &Leaf, marked: u8, line: impl FnOnce() -> (Ray, f64)) -> u16 {
+        let Some(set) = self.set(leaf) else {
+            return u16::from(marked);
+        };
+        let (line, t) = line();
+        set.face_at(&line, t)
+    }
+
+    /// A leaf that is a convex set.
+    #[inline(always)]
+    pub(super) fn set(&self, leaf: &Leaf) -> Option<&ConvexSet> {
+        match leaf.shape {
+            LeafShape::Hull(number) => self.others[number as usize].hull(),
+            LeafShape::Convex(_) | LeafShape::Other(_) => None,
         }
     }
 }
@@ -217,6 +237,16 @@ pub(super) struct Frame {
     pub(super) center: DVec3,
     /// Its unit of length, a power of two.
     pub(super) size: f64,
+}
+
+impl Leaf {
+    /// A face as marks tell it: those of a convex set they do not tell apart.
+    pub(super) fn marked(&self, face: u16) -> u8 {
+        match self.shape {
+            LeafShape::Hull(_) => 0,
+            LeafShape::Convex(_) | LeafShape::Other(_) => face as u8,
+        }
+    }
 }
 
 impl Instance {
@@ -291,7 +321,7 @@ impl Cell {
             + size_of_val(&*self.unions)
             + size_of_val(&*self.nodes)
             + size_of_val(&*self.leaves)
-            + size_of_val(&*self.others)
+            + self.others.iter().map(|it| size_of_val(it) + it.bytes_apart()).sum::<usize>()
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)

@@ -14,7 +14,7 @@ use super::store::{Generation, led_by};
 use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at};
 use crate::fault::Fault;
 use crate::form::Origin;
-use crate::geometry::Convex;
+use crate::geometry::Pierced;
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
 use crate::trace::{Beam, Site};
 
@@ -564,7 +564,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         for ray in lanes_of(frame.starting & rays) {
             if frame.from[ray] == leaf.part {
                 let face = self.ask.from[ray].map(|it| it.face);
-                if is_left(leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
+                if is_left(cell, leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
                     rays &= !(1 << ray);
                 } else {
                     apart |= 1 << ray;
@@ -575,7 +575,12 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let together = rays & !apart;
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
-            LeafShape::Convex(_) => {}
+            LeafShape::Hull(_) if together != 0 => {
+                if let Some(set) = cell.set(leaf) {
+                    apart |= self.convex(leaf, set, together);
+                }
+            }
+            LeafShape::Convex(_) | LeafShape::Hull(_) => {}
             LeafShape::Other(_) => apart = rays,
         }
         if apart != 0 {
@@ -585,7 +590,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
 
     /// What rays meet of a convex leaf; gives those that have to ask one by one.
     #[inline(always)]
-    fn convex(&mut self, leaf: &Leaf, convex: &Convex, rays: u32) -> u32 {
+    fn convex(&mut self, leaf: &Leaf, convex: &impl Pierced, rays: u32) -> u32 {
         let Some(frame) = self.scratch.last() else {
             return 0;
         };

@@ -57,7 +57,7 @@ impl Piece {
     /// About how many bytes some pieces take.
     pub(super) fn bytes(pieces: &[Self]) -> usize {
         let of = |piece: &Self| match &piece.shape {
-            Shape::Leaf(..) => size_of::<Primitive>(),
+            Shape::Leaf(primitive, _) => size_of::<Primitive>() + primitive.bytes_apart(),
             Shape::Instance(..) => 0,
             Shape::Intersect(operands) | Shape::Difference(operands) => {
                 operands.iter().map(|it| Self::bytes(it) + size_of_val(it)).sum()

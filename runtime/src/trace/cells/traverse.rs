@@ -14,7 +14,7 @@ use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{FACE, Side};
+use crate::geometry::{FACE, Pierced, Side};
 use crate::lanes::{Kernel, One};
 
 /// What all searches share.
@@ -420,7 +420,7 @@ pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
         let ray = passage.ray.counted_from_start();
-        if !is_left(leaf, &ray, ask.start_face()) {
+        if !is_left(cell, leaf, &ray, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
     } else {
@@ -430,20 +430,25 @@ pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
 
 /// Whether a ray that starts on a leaf will not meet it again.
 #[inline(always)]
-pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
+pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, face: Option<u16>) -> bool {
+    let line = || ray.line(&leaf.leaf_from_cell);
     match (leaf.shape, face) {
-        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
-        (LeafShape::Convex(_) | LeafShape::Other(_), _) => false,
+        (LeafShape::Hull(_), Some(face)) => cell.set(leaf).is_some_and(|it| it.is_left_by(face, &line())),
+        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &line()),
+        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_), _) => false,
     }
 }
 
 #[inline(always)]
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
-    let convex = match leaf.shape {
-        LeafShape::Convex(convex) if ray.is_tame() => convex,
-        LeafShape::Convex(_) | LeafShape::Other(_) => return meet_primitive(ask, cell, leaf, trail, ray, None),
+    let lines = || ray.lines(&leaf.leaf_from_cell);
+    let pieces = match (leaf.shape, cell.set(leaf)) {
+        (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
+        (LeafShape::Hull(_), Some(set)) if ray.is_tame() => set.pieces(One::new(), &lines()),
+        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_), _) => {
+            return meet_primitive(ask, cell, leaf, trail, ray, None);
+        }
     };
-    let pieces = convex.pieces(One::new(), &ray.lines(&leaf.leaf_from_cell));
     if pieces.odd.value {
         return meet_primitive(ask, cell, leaf, trail, ray, None);
     }
@@ -459,19 +464,18 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
 /// What a leaf says to the question that is no convex primitive, or whose ray is out of the ordinary.
 #[cold]
 #[inline(never)]
-fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u8>) {
-    let primitive = cell.primitive(leaf);
+fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u16>) {
     let line = ray.line(&leaf.leaf_from_cell);
-    let event = |t: f64, face: u8| {
-        let mark = Mark { trail, part: leaf.part, face };
+    let event = |t: f64, face: u16| {
+        let mark = Mark { trail, part: leaf.part, face: leaf.marked(face) };
         Event { t: ray.world(t), mark, flipped: false }
     };
     if leaf.solid {
-        for chord in primitive.chords(&line, from) {
+        for chord in cell.with_primitive(leaf, |it| it.chords(&line, from)) {
             let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
             ask.meet(near, Some(far));
         }
-    } else if let Some(crossing) = primitive.crossing(&line, from) {
+    } else if let Some(crossing) = cell.with_primitive(leaf, |it| it.crossing(&line, from)) {
         ask.meet(event(crossing.t, crossing.face), None);
     }
 }

@@ -186,6 +186,8 @@ pub enum Limit {
     Primitives,
     /// Triangles of a mesh.
     Triangles,
+    /// Cells of all solid textures.
+    Cells,
     /// Pixels of a picture.
     Pixels,
     /// Samples of a pixel.

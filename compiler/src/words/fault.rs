@@ -237,6 +237,7 @@ fn limit_code(limit: Limit) -> &'static str {
         Limit::Primitives => "E0921",
         Limit::Triangles => "E0926",
         Limit::Planes => "E0927",
+        Limit::Cells => "E0928",
     }
 }
 
@@ -254,6 +255,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Rules => "a derivation applies more rules than the limit",
         Limit::Modules => "more modules are waiting to be replaced than the limit",
         Limit::Segments => "a derivation lays more segments than the limit",
+        Limit::Cells => "the cubes of all textures have more cells than the limit",
         Limit::Planes => "a hull has more planes than the limit",
         Limit::Strides => "a derivation takes more steps than the limit",
         Limit::Primitives => "the scene has more primitives than the limit",

@@ -25,6 +25,6 @@ pub use origin::Origin;
 pub use primitive::PrimitiveKind;
 pub use scene::{Background, Camera, ImageSettings, Lens, Material, MaterialId, Scene, Sky, Sun};
 pub use segments::{Segment, SegmentList, Stem, StemEnd, StemStart};
-pub use texture::{Fbm, Fourier, Pattern, Space, Texture, TextureId};
+pub use texture::{Chunks, Fbm, Fourier, Pattern, Space, Texture, TextureId};
 pub use value::{Value, Vector};
 pub use walk::{Bracket, Module, ModuleId, Order, Shape, ShapeId, Splitting, Stride, Walk, WalkRule};

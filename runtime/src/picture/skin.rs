@@ -6,7 +6,7 @@ use super::color::within;
 use super::paint::{Bump, Paint, Paints, Pattern, Shade};
 use super::shade::Pass;
 use crate::form::Space;
-use crate::texture::{Footprint, Tone};
+use crate::texture::{Footprint, Tint, Tone};
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
 /// The skins of a batch's fragments.
@@ -46,22 +46,37 @@ pub(super) struct Skin {
     pub(super) normal: DVec3,
     /// By how much its colour is shaded: 1 is not at all.
     pub(super) tone: f64,
+    /// What takes the place of its colour.
+    pub(super) tint: Option<Tint>,
     /// Whether the normal was turned.
     pub(super) bumped: bool,
 }
 
 impl Skin {
+    /// The colour of a surface that would have this one.
+    pub(super) fn color(&self, color: DVec3) -> DVec3 {
+        let color = color * self.tone;
+        self.tint.map_or(color, |it| it.color + color * (1.0 - it.cover))
+    }
+
     /// Of a fragment that a beam met.
     fn new(fragment: &Fragment, painted: Option<&Painted>, paint: &Paint, beam: &Beam) -> Self {
-        let mut skin = Self { normal: fragment.normal, tone: 1.0, bumped: false };
+        let mut skin = Self { normal: fragment.normal, tone: 1.0, tint: None, bumped: false };
         if paint.shade.is_none() && paint.bump.is_none() {
             return skin;
         }
         let footprint = footprint(fragment, beam);
         if let Some(Shade { pattern, amount }) = &paint.shade {
-            let value =
-                met(pattern, fragment, painted, &footprint).map_or_else(|| pattern.field.mean(), |it| it.0.value);
-            skin.tone = 1.0 - amount * (1.0 - within(value, 1.0));
+            match tint(pattern, fragment, painted, &footprint) {
+                Some(tint) => {
+                    skin.tint = Some(Tint { color: tint.color * *amount, cover: within(tint.cover * amount, 1.0) });
+                }
+                None => {
+                    let value = met(pattern, fragment, painted, &footprint)
+                        .map_or_else(|| pattern.field.mean(), |it| it.0.value);
+                    skin.tone = 1.0 - amount * (1.0 - within(value, 1.0));
+                }
+            }
         }
         if let Some(Bump { pattern, depth }) = &paint.bump
             && let Some((tone, pattern_from_world)) = met(pattern, fragment, painted, &footprint)
@@ -95,6 +110,16 @@ fn met(
             let footprint = footprint.mapped(&painted.paint_from_world);
             Some((pattern.field.at(painted.position, &footprint), painted.paint_from_world))
         }
+    }
+}
+
+/// The colour of a pattern where a fragment lies; its mean where the fragment stands for many things. None if it has none.
+fn tint(pattern: &Pattern, fragment: &Fragment, painted: Option<&Painted>, footprint: &Footprint) -> Option<Tint> {
+    let Pattern { space, field } = pattern;
+    match (space, painted) {
+        (Space::World, _) => field.tint(fragment.position, footprint),
+        (Space::Object, Some(it)) => field.tint(it.position, &footprint.mapped(&it.paint_from_world)),
+        (Space::Object, None) => field.mean_tint(),
     }
 }
 

@@ -4,17 +4,20 @@
 //! them. What is finer than the footprint fades away and leaves its mean, so a texture neither flickers nor changes its tone where
 //! it is seen from far away.
 
+mod cube;
 mod fbm;
 mod footprint;
 mod fourier;
 
 use glam::DVec3;
 
+use self::cube::LazyCube;
 use self::fbm::Octaves;
 use self::fourier::Terms;
 use crate::eval::mix;
 use crate::form::{Pattern, Texture};
 
+pub use cube::Tint;
 pub use footprint::Footprint;
 
 /// What a texture is at a point.
@@ -39,6 +42,7 @@ pub struct Field {
 enum Waves {
     Fourier(Terms),
     Fbm(Octaves),
+    Chunks(LazyCube),
 }
 
 impl Field {
@@ -51,6 +55,7 @@ impl Field {
             waves: match &texture.pattern {
                 Pattern::Fourier(it) => Waves::Fourier(Terms::new(it, seed)),
                 Pattern::Fbm(it) => Waves::Fbm(Octaves::new(it, seed)),
+                Pattern::Chunks(it) => Waves::Chunks(LazyCube::new(it, seed)),
             },
         }
     }
@@ -61,6 +66,7 @@ impl Field {
         let tone = match &self.waves {
             Waves::Fourier(it) => it.at(point, &footprint),
             Waves::Fbm(it) => it.at(point, &footprint),
+            Waves::Chunks(it) => it.at(point, &footprint),
         };
         let slope = tone.slope * self.shrink;
         // So far away that numbers have no places between them, nothing is to be seen.
@@ -73,6 +79,22 @@ impl Field {
         match self.waves {
             Waves::Fourier(_) => fourier::MEAN,
             Waves::Fbm(_) => fbm::MEAN,
+            Waves::Chunks(ref it) => it.mean(),
         }
+    }
+
+    /// The colour that it has at a point and that takes the place of what it is on, as far as can be seen with this footprint; none if it
+    /// has a tone only.
+    pub fn tint(&self, point: DVec3, footprint: &Footprint) -> Option<Tint> {
+        let Waves::Chunks(cube) = &self.waves else {
+            return None;
+        };
+        let tint = cube.tint((point - self.offset) * self.shrink, &footprint.scaled(self.shrink));
+        Some(if tint.color.is_finite() { tint } else { cube.mean_tint() })
+    }
+
+    /// The mean of that colour over space.
+    pub fn mean_tint(&self) -> Option<Tint> {
+        if let Waves::Chunks(cube) = &self.waves { Some(cube.mean_tint()) } else { None }
     }
 }

@@ -59,3 +59,22 @@ fn solids_can_be_placed_beside_the_planes_of_a_hull() {
         "hull Fruit { start [ normal(.5) ] [ rotx(180) normal(.5) ] repeat 4 as i { [ rotz(90 * i) rotx(90) normal(.4) move(0, 0, .4) uscale(.2) sphere ] }; }",
     );
 }
+
+#[test]
+fn more_plants_than_are_looked_into_for_bounds_are_all_seen() {
+    // Four hundred turned cubes and stems, of which nothing is known together.
+    let grove = |plant: &str| {
+        format!(
+            "hull Cube {{ start [ normal(.3) ] [ rotx(180) normal(.3) ] repeat 4 as i {{ [ rotz(90 * i) rotx(90) normal(.3) ] }}; }}
+             shape Stem {{ start segment(.5, .1, .1); }}
+             csg Grove {{ start repeat 400 as i {{ move(i % 20 - 8, floor(i / 20) - 4, 0) turned(i) }}; turned(a) -> rotz(a) {plant}; }}
+             scene {{ show Grove(); }}"
+        )
+    };
+    for plant in ["Cube()", "Stem()"] {
+        let (cells, book) = (by_cells(&grove(plant)), by_the_book(&grove(plant)));
+        let met = |it: &[Option<crate::common::Seen>]| it.iter().map(Option::is_some).collect::<Vec<bool>>();
+        assert!(book.iter().flatten().count() > 100, "{plant}");
+        assert_eq!(met(&cells), met(&book), "{plant}");
+    }
+}

@@ -375,10 +375,11 @@ impl Layout<'_, '_, '_> {
                 members.push((item, bounds));
             }
         }
-        let with_box = members.iter().filter(|(_, bounds)| bounds.is_finite()).count();
-        let boxed = |bounds: &Aabb| bounds.is_finite() && with_box >= least;
-        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let frame = self.frame;
+        let has_box = |bounds: &Aabb| bounds.is_finite() && frame.holds(bounds);
+        let with_box = members.iter().filter(|(_, bounds)| has_box(bounds)).count();
+        let boxed = |bounds: &Aabb| has_box(bounds) && with_box >= least;
+        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let items = members
             .iter()
             .filter(|(_, bounds)| boxed(bounds))

@@ -16,6 +16,7 @@ use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, ConvexSet, Primitive, Ray};
+use crate::texture::Rough;
 use crate::trace::Route;
 
 /// A state expanded and merged.
@@ -165,12 +166,18 @@ impl Cell {
     }
 
     /// The face that a line meets at t, for a mark that does not tell the faces of a convex set apart.
-    pub(super) fn face(&self, leaf: &Leaf, marked: u8, line: impl FnOnce() -> (Ray, f64)) -> u16 {
+    pub(super) fn face(
+        &self,
+        leaf: &Leaf,
+        marked: u8,
+        rough: Option<&Rough>,
+        line: impl FnOnce() -> (Ray, f64),
+    ) -> u16 {
         let Some(set) = self.set(leaf) else {
             return u16::from(marked);
         };
         let (line, t) = line();
-        set.face_at(&line, t)
+        if rough.is_some() { set.nearest_face(line.at(t)) } else { set.face_at(&line, t) }
     }
 
     /// A leaf that is a convex set.
@@ -276,6 +283,13 @@ impl Frame {
         let size = f64::from_bits(exponent << 52);
         let step = size / STEPS;
         Self { center: (center / step).round() * step, size }
+    }
+
+    /// Whether a box lies within -1 to 1: where nothing was known of a state beforehand, something in it may not, and rays that pass
+    /// the frame by are not held against boxes in it.
+    pub(super) fn holds(&self, bounds: &Aabb) -> bool {
+        let own = self.inwards(bounds);
+        own.is_empty() || own.min.abs().max(own.max.abs()).max_element() <= 1.0 + 1e-6
     }
 
     pub(super) fn state_from_cell(&self) -> DAffine3 {

@@ -82,7 +82,7 @@ pub(crate) const MATERIAL: &[FieldRule] = &[
     field("bump", Texture),
     later("relief", Texture),
     field("depth", NOT_NEGATIVE),
-    later("roughen", NOT_NEGATIVE),
+    field("roughen", NOT_NEGATIVE),
     field("gloss", SHARE),
     field("mirror", SHARE),
     later("translucent", SHARE),

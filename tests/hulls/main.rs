@@ -6,6 +6,7 @@
 mod common;
 mod endings;
 mod orders;
+mod rough;
 mod seen;
 mod splits;
 mod support;

@@ -47,6 +47,7 @@ pub(super) fn material(constants: &mut Constants<'_>, record: &Record) -> Materi
         amount: fields.number("amount").unwrap_or(default.amount),
         bump: fields.texture("bump").map(TextureId),
         depth: fields.number("depth").unwrap_or(default.depth),
+        roughen: fields.number("roughen").unwrap_or(default.roughen),
         gloss: fields.number("gloss").unwrap_or(default.gloss),
         mirror: fields.number("mirror").unwrap_or(default.mirror),
         origin: origin(record.span),

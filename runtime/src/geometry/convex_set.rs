@@ -82,11 +82,20 @@ impl ConvexSet {
     }
 
     /// The piece of a line inside.
-    pub(super) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+    pub(crate) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
         let mut clip = Clip::ALL;
         for (number, plane) in self.planes.iter().enumerate() {
             let distance = plane.offset - plane.normal.dot(ray.origin);
             clip = clip.cut(number as u16, distance, plane.normal.dot(ray.direction), from)?;
+        }
+        clip.chord()
+    }
+
+    /// The piece of a line that lies at least so far behind all planes.
+    pub(crate) fn inset_chord(&self, ray: &Ray, depth: f64) -> Option<Chord> {
+        let mut clip = Clip::ALL;
+        for Plane { normal, offset } in &self.planes {
+            clip = clip.cut(0, offset - depth - normal.dot(ray.origin), normal.dot(ray.direction), None)?;
         }
         clip.chord()
     }
@@ -101,7 +110,16 @@ impl ConvexSet {
         if let Some(chord) = self.chord(line, None) {
             return if (chord.near.t - t).abs() <= (chord.far.t - t).abs() { chord.near.face } else { chord.far.face };
         }
-        let point = line.at(t);
+        self.nearest_face(line.at(t))
+    }
+
+    /// How far a point lies behind the nearest plane; less than 0 if it is outside.
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        self.planes.iter().map(|it| it.offset - it.normal.dot(point)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The face that a point is nearest to, or furthest in front of.
+    pub(crate) fn nearest_face(&self, point: DVec3) -> u16 {
         let above = |it: &Plane| it.normal.dot(point) - it.offset;
         let highest = self.planes.iter().enumerate().max_by(|a, b| above(a.1).total_cmp(&above(b.1)));
         highest.map_or(0, |it| it.0 as u16)

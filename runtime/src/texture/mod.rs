@@ -8,6 +8,7 @@ mod cube;
 mod fbm;
 mod footprint;
 mod fourier;
+mod rough;
 
 use glam::DVec3;
 
@@ -19,6 +20,7 @@ use crate::form::{Pattern, Texture};
 
 pub use cube::Tint;
 pub use footprint::Footprint;
+pub(crate) use rough::{Rough, Roughs};
 
 /// What a texture is at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,18 +18,21 @@ use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
 use crate::geometry::{Aabb, Intervals, Part, Primitive, Ray};
 use crate::limits::Limits;
+use crate::texture::Roughs;
 
 /// Traces rays through a scene by the book.
 #[derive(Debug)]
 pub struct Reference<'s> {
     scene: &'s Scene,
+    /// How the surfaces of its materials are carved.
+    roughs: Roughs,
     limits: Limits,
 }
 
 impl<'s> Reference<'s> {
     /// A walker through a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { scene, limits: *limits }
+        Self { scene, roughs: Roughs::new(&scene.materials, scene.seed), limits: *limits }
     }
 
     /// Everything on a line: t from -inf to inf.
@@ -38,6 +41,7 @@ impl<'s> Reference<'s> {
         let mut walk = Walk {
             graph,
             scene: self.scene,
+            roughs: &self.roughs,
             machine: Machine::new(graph.functions(), self.scene.seed, &self.limits),
             limits: &self.limits,
             from,
@@ -64,7 +68,7 @@ impl<'s> Reference<'s> {
         let Walked { line, surfaces, .. } = self.walk(ray, from)?;
         if let Some((t, surface, flipped)) = line.first_after_start() {
             let surface = &surfaces[surface as usize];
-            seen.push(surface.fragment(ray, t, flipped));
+            seen.push(surface.fragment(ray, t, flipped, &self.roughs));
             surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
         }
         seen.end_ray();
@@ -161,11 +165,16 @@ struct Surface {
     ray: Ray,
     chain: Rc<Chain>,
     site: Site,
+    /// Whether it is the surface of a hull that its material may carve.
+    carved: bool,
 }
 
 impl Surface {
-    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool) -> Fragment {
-        let own = self.primitive.normal(self.ray.at(t), self.site.face);
+    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool, roughs: &Roughs) -> Fragment {
+        let mut own = self.primitive.normal(self.ray.at(t), self.site.face);
+        if let Some(rough) = roughs.of(self.material).filter(|_| self.carved) {
+            own = rough.normal(own, self.ray.at(t));
+        }
         let mut normal = self.chain.normal_to_world(own).normalize();
         let against = !self.primitive.is_solid() && normal.dot(world_ray.direction) > 0.0;
         if flipped || against {
@@ -217,6 +226,7 @@ impl Here {
 struct Walk<'w, 's> {
     graph: &'s Graph,
     scene: &'s Scene,
+    roughs: &'w Roughs,
     machine: Machine<'s>,
     limits: &'w Limits,
     /// The surface that the ray starts on.
@@ -374,7 +384,13 @@ impl Walk<'_, '_> {
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
-            let chords = primitive.chords(&here.ray, from);
+            let mut chords = primitive.chords(&here.ray, from);
+            // What is cut by others is not carved; neither is what the ray starts on, since that lies below its planes.
+            if let Some(set) = primitive.hull().filter(|_| !here.frozen && from.is_none())
+                && let Some(rough) = self.roughs.of(here.material)
+            {
+                chords = chords.into_iter().filter_map(|it| rough.left(set, &here.ray, it)).collect();
+            }
             line.inside = Intervals::of_chords(&chords, |it| self.surface(primitive, origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
             line.crossings.push((crossing.t, self.surface(primitive, origin, here, crossing.face)));
@@ -399,6 +415,7 @@ impl Walk<'_, '_> {
             ray: here.ray,
             chain: Rc::clone(&here.chain),
             site: Site { path: here.site.clone(), face },
+            carved: primitive.hull().is_some() && !here.frozen,
         });
         self.surfaces.len() as u32 - 1
     }

@@ -11,9 +11,9 @@ use super::cell::{Cell, Leaf, LeafShape, Named, Ref};
 use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
-use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at, rough_set};
 use crate::fault::Fault;
-use crate::form::Origin;
+use crate::form::{MaterialId, Origin};
 use crate::geometry::Pierced;
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
 use crate::trace::{Beam, Site};
@@ -191,6 +191,7 @@ struct Way {
     levels: u32,
     /// As in [`Passage`].
     unit: f64,
+    paint: Option<MaterialId>,
 }
 
 /// Rays in a cell.
@@ -241,7 +242,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         self.scratch.depth = 1;
         let kernel = self.tracing.kernel;
         let unit = cell_from_world.unit;
-        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit };
+        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit, paint: None };
         let asking = self.ask.asking;
         let frame = match self.scratch.frames.first_mut() {
             Some(frame) => frame,
@@ -495,7 +496,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let position = outer_way.position + 1;
         let trail = self.notes.trails.on(outer_way.trail, instance.part);
         let (levels, unit) = (outer_way.levels + part.levels, outer_way.unit * instance.way.unit);
-        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit });
+        let paint = part.material.or(outer_way.paint);
+        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit, paint });
         inner.starting = 0;
         for ray in lanes_of(outer.starting & rays) {
             if outer.from[ray] == instance.part {
@@ -576,7 +578,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
             LeafShape::Hull(_) if together != 0 => {
-                if let Some(set) = cell.set(leaf) {
+                if rough_set(&self.tracing.store.roughs, cell, leaf, frame.way.paint).is_some() {
+                    apart = rays;
+                } else if let Some(set) = cell.set(leaf) {
                     apart |= self.convex(leaf, set, together);
                 }
             }
@@ -651,7 +655,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         for ray in lanes_of(rays) {
             let mut ask = self.ask.of_ray(ray, self.notes);
-            super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
+            super::traverse::leaf(&mut ask, &self.tracing.store.roughs, cell, leaf, &frame.passage(ray));
             let answer = Answer::of(&ask);
             self.ask.answer(ray, answer);
         }
@@ -689,11 +693,11 @@ impl<'g, K: Kernel> Frame<'g, K> {
     /// One of the rays by itself.
     #[inline(always)]
     fn passage(&self, ray: usize) -> Passage {
-        let Way { state, called, trail, position, levels, unit } = self.way;
+        let Way { state, called, trail, position, levels, unit, paint } = self.way;
         let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
         let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
         let boxes = self.rays.boxes.ray(ray);
-        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit }
+        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit, paint }
     }
 
     /// Finds where on each ray nothing more is of interest.

@@ -15,9 +15,11 @@ use super::ending::{ENDED, Ending, solid};
 use super::measure::{Known, Measuring};
 use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
+use super::traverse::rough_set;
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::Ray;
+use crate::texture::Rough;
 use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
 /// A hit as a search leaves it.
@@ -391,8 +393,14 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                let face = cell.face(leaf, mark.face, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
-                let outwards = self.normal(place, cell, leaf, face, hit);
+                // What is cut by others is not carved.
+                let rough = if place.frozen || part.frozen {
+                    None
+                } else {
+                    rough_set(&self.store.roughs, cell, leaf, place.material).map(|it| it.1)
+                };
+                let face = cell.face(leaf, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
+                let outwards = self.normal(place, cell, (leaf, face), rough, hit);
                 let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
                 (if turned { -outwards } else { outwards }, 0.0, face)
             }
@@ -445,14 +453,22 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
     /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
     #[inline]
-    fn normal(&self, place: &Place, cell: &Cell, leaf: &Leaf, face: u16, hit: &Hit) -> DVec3 {
+    fn normal(
+        &self,
+        place: &Place,
+        cell: &Cell,
+        (leaf, face): (&Leaf, u16),
+        rough: Option<&Rough>,
+        hit: &Hit,
+    ) -> DVec3 {
         let normal = cell.with_primitive(leaf, |primitive| {
-            let point = if primitive.is_flat(face) {
+            let point = if primitive.is_flat(face) && rough.is_none() {
                 DVec3::ZERO
             } else {
                 point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
             };
-            primitive.normal(point, face)
+            let normal = primitive.normal(point, face);
+            rough.map_or(normal, |it| it.normal(normal, point))
         });
         let normal = leaf.leaf_from_cell.matrix3.transpose() * normal;
         let normal = place.cell_from_world.transpose() * (normal * (1.0 / normal.abs().max_element()));

@@ -13,9 +13,10 @@ use super::ending::{ENDED, Met as Ended, ending, veil};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::Origin;
-use crate::geometry::{FACE, Pierced, Side};
+use crate::form::{MaterialId, Origin};
+use crate::geometry::{ConvexSet, FACE, Pierced, Side};
 use crate::lanes::{Kernel, One};
+use crate::texture::{Rough, Roughs};
 
 /// What all searches share.
 pub(super) struct Tracing<'a, 's, K> {
@@ -49,6 +50,8 @@ pub(super) struct Passage {
     pub(super) levels: u32,
     /// At least the length in the world of what is 1 long in it; infinite where recursion is followed to its end.
     pub(super) unit: f64,
+    /// The paint on the way to it.
+    pub(super) paint: Option<MaterialId>,
 }
 
 /// The stacks of a search, kept from ray to ray.
@@ -237,7 +240,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             next = None;
             match what.named() {
                 Named::Node(node) => next = self.node(ask, number, node),
-                Named::Leaf(number) => leaf(ask, cell, &cell.leaves[number as usize], &frame.passage),
+                Named::Leaf(number) => {
+                    leaf(ask, &self.tracing.store.roughs, cell, &cell.leaves[number as usize], &frame.passage);
+                }
                 Named::Instance(instance) => next = self.instance(ask, &cell.instances[instance as usize])?,
                 Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
             }
@@ -306,7 +311,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
         let trail = ask.notes.trails.on(passage.trail, instance.part);
         let unit = passage.unit * instance.way.unit;
-        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit };
+        let paint = part.material.or(passage.paint);
+        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit, paint };
         let cell = match self.generation.kept(state) {
             Some(cell) => Some(cell),
             None => self.made(state, called)?,
@@ -345,6 +351,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             position,
             levels: passage.levels + part.levels,
             unit: f64::INFINITY,
+            paint: part.material.or(passage.paint),
         };
         self.enter(ask, Start { cell, passage: inner })
     }
@@ -416,15 +423,43 @@ pub(super) fn look_at(ask: &mut Ask, instance: &Instance, trail: u32, outer: &Lo
 
 /// What a leaf says to the question.
 #[inline(always)]
-pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
+pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
         let ray = passage.ray.counted_from_start();
         if !is_left(cell, leaf, &ray, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
+    } else if let Some((set, rough)) = rough_set(roughs, cell, leaf, passage.paint) {
+        meet_rough(ask, rough, set, leaf, passage);
     } else {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
+    }
+}
+
+/// A leaf as a convex set, and how its surface is carved, if it is. `paint` is what is on the way to its cell.
+#[inline(always)]
+pub(super) fn rough_set<'c>(
+    roughs: &'c Roughs,
+    cell: &'c Cell,
+    leaf: &Leaf,
+    paint: Option<MaterialId>,
+) -> Option<(&'c ConvexSet, &'c Rough)> {
+    let set = cell.set(leaf)?;
+    let own = cell.parts.get(leaf.part as usize).and_then(|it| it.material);
+    Some((set, roughs.of(own.or(paint))?))
+}
+
+/// What a carved set says to the question.
+#[cold]
+#[inline(never)]
+fn meet_rough(ask: &mut Ask, rough: &Rough, set: &ConvexSet, leaf: &Leaf, passage: &Passage) {
+    let ray = &passage.ray;
+    let line = ray.line(&leaf.leaf_from_cell);
+    if let Some(chord) = set.chord(&line, None).and_then(|it| rough.left(set, &line, it)) {
+        let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
+        let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
+        ask.meet(event(chord.near.t), Some(event(chord.far.t)));
     }
 }
 

@@ -125,6 +125,9 @@ pub struct Render {
     /// standard output; a mesh as .glb, .obj or .ply [default: FILE's name with .png in the current folder; standard output for `-`]
     #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     output: Option<PathBuf>,
+    /// How the picture is made
+    #[arg(long, value_name = "HOW", default_value = "trace", help_heading = "Picture")]
+    pub renderer: Renderer,
     /// Width and height in pixels, instead of the program's
     #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
     pub size: Option<(u32, u32)>,
@@ -143,7 +146,7 @@ pub struct Render {
     /// How the surface of stems is made
     #[arg(long, value_name = "SURFACE", default_value = "cones", help_heading = "Mesh")]
     pub surface: Surface,
-    /// Triangles that a mesh has at most; where there are more, that is an error and no file is written
+    /// Triangles that a mesh has at most, and primitives that `--renderer scan` draws; more are an error, and no file is written
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_TRIANGLES), default_value_t = Limits::default().triangles)]
     #[arg(help_heading = "Mesh")]
     pub triangles: u64,
@@ -183,6 +186,15 @@ pub struct Program {
     /// Another seed draws another tree
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed, default_value_t = 0, help_heading = "Program")]
     pub seed: u64,
+}
+
+/// How a picture is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Renderer {
+    /// Rays are traced: everything is seen, recursion ends at the pixel
+    Trace,
+    /// Scan conversion: what ends is drawn into a buffer of depths, with shadow maps
+    Scan,
 }
 
 /// How the surface of stems is made.

@@ -7,6 +7,7 @@ mod common;
 mod endings;
 mod orders;
 mod rough;
+mod scan;
 mod seen;
 mod splits;
 mod support;

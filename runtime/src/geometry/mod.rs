@@ -22,7 +22,7 @@ mod torus;
 
 pub use aabb::Aabb;
 pub use chord::{Chord, Chords, Crossing};
-pub(crate) use convex::{Convex, FACE, Lines, Pierced, Side};
+pub(crate) use convex::{Convex, FACE, Lines, Pieces, Pierced, Side};
 pub use convex_set::{ConvexSet, MOST_PLANES, Plane};
 pub(crate) use eigen::eigen;
 pub use intervals::{End, Interval, Intervals};

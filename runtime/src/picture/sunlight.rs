@@ -22,6 +22,8 @@ pub(super) struct Lit {
 pub(super) struct Sunlight {
     owners: Vec<Owner>,
     shadow_beams: Vec<SurfaceBeam>,
+    /// The normals of the surfaces that they start on.
+    shadow_normals: Vec<DVec3>,
     /// Fragments that face the light, each with its shadow beam.
     aimed: Vec<(u32, u32)>,
     /// How much light comes along each of them.
@@ -88,6 +90,7 @@ impl Sunlight {
     /// Collects the shadow beams of one sun, of all fragments that face it.
     fn aim<B: AsRef<Beam>>(&mut self, sun: &SunLight, last: bool, pass: &Pass<'_, B>, seen: &mut Seen, skins: &Skins) {
         self.shadow_beams.clear();
+        self.shadow_normals.clear();
         self.aimed.clear();
         let mut shared = None;
         for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&self.owners).enumerate() {
@@ -105,6 +108,7 @@ impl Sunlight {
                 let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
                 let width = beam.width_at(fragment.depth);
                 self.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
+                self.shadow_normals.push(fragment.normal);
             }
             self.aimed.push((number as u32, self.shadow_beams.len() as u32 - 1));
         }
@@ -117,7 +121,7 @@ impl Sunlight {
             return Ok(());
         }
         self.count += self.shadow_beams.len() as u64;
-        tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
+        tracer.light_on(&self.shadow_beams, &self.shadow_normals, &mut self.light).map_err(|RayFault { ray, fault }| {
             let first = self.aimed.iter().find(|(_, beam)| *beam as usize == ray);
             let owner = first.and_then(|(fragment, _)| self.owners.get(*fragment as usize));
             RayFault { ray: owner.map_or(0, |it| it.ray as usize), fault }

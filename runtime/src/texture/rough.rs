@@ -5,6 +5,8 @@
 //! `depth · noise` behind every plane, with noise from 0 to 1. So a ray along the rim may pass through a layer in which there is nothing,
 //! a shadow is as ragged as the outline, and nothing flickers when the camera moves.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{Field, Footprint};
@@ -21,7 +23,7 @@ pub(crate) struct Rough {
 
 /// How the surfaces of all materials are carved.
 #[derive(Clone, Debug)]
-pub(crate) struct Roughs(Vec<Option<Rough>>);
+pub(crate) struct Roughs(Vec<Option<Arc<Rough>>>);
 
 /// Sizes of noise: the largest lumps are about three times as wide as they are deep.
 const OCTAVES: u32 = 3;
@@ -34,12 +36,12 @@ const HALVINGS: u32 = 8;
 
 impl Roughs {
     pub(crate) fn new(materials: &[Material], seed: u64) -> Self {
-        Self(materials.iter().map(|it| Rough::new(it.roughen, seed)).collect())
+        Self(materials.iter().map(|it| Rough::new(it.roughen, seed).map(Arc::new)).collect())
     }
 
     /// How the surface of a material is carved, if it is.
     #[inline]
-    pub(crate) fn of(&self, material: Option<MaterialId>) -> Option<&Rough> {
+    pub(crate) fn of(&self, material: Option<MaterialId>) -> Option<&Arc<Rough>> {
         self.0.get(material?.0 as usize)?.as_ref()
     }
 }

@@ -100,8 +100,19 @@ pub(super) enum Fixed {
     Primitive(Primitive),
 }
 
-/// Takes the parts of a stem, in order, in the frame of the group.
-pub(crate) type StemTaker<'t> = dyn FnMut(&[Part]) -> Result<(), Fault> + 't;
+/// A stem whole.
+#[derive(Debug)]
+pub(crate) struct WholeStem<'p> {
+    /// Its parts in order, in the frame of the group.
+    pub(crate) parts: &'p [Part],
+    /// For each part the frame in which its paint stands, in the group's, if its look depends on it.
+    pub(crate) group_from_paint: &'p [Option<DAffine3>],
+    /// The choices and copies between the group and the stem.
+    pub(crate) route: Route,
+}
+
+/// Takes a stem.
+pub(crate) type StemTaker<'t> = dyn FnMut(&WholeStem<'_>) -> Result<(), Fault> + 't;
 
 /// Expands the states of a scene.
 #[derive(Debug)]

@@ -13,8 +13,8 @@ mod route;
 pub(crate) mod shapes;
 mod walk;
 
-pub(crate) use expand::constants;
 pub use expand::{Entry, Expander, Group, Item, Solid, State};
+pub(crate) use expand::{WholeStem, constants};
 pub use find::{Derivable, find_shape};
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
@@ -241,6 +241,15 @@ pub trait Tracer: Sync {
     /// # Errors
     /// The fault of the lowest beam that meets one.
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault>;
+
+    /// The same for beams that start where surfaces have these normals, for whoever cannot tell a surface from its shadow without them.
+    ///
+    /// # Errors
+    /// As [`Tracer::light`].
+    fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let _ = normals;
+        self.light(beams, light)
+    }
 
     /// How much work each of the beams makes, one by one: the cells (for the walker by the book: the S-nodes) that it goes
     /// through. `work` is cleared, then holds one answer a beam.

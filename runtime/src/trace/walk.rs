@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State, StemTaker};
+use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State, StemTaker, WholeStem};
 use super::route::Route;
 use super::shapes;
 use crate::derive::Placed;
@@ -289,13 +289,18 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     }
 
     fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
-        let mut parts = Vec::new();
-        let Some(take) = self.walk.stems.as_deref_mut() else { return shapes::each_part(self, stem, joints) };
+        if self.walk.stems.is_none() {
+            return shapes::each_part(self, stem, joints);
+        }
+        let (mut parts, mut group_from_paint) = (Vec::new(), Vec::new());
         joints.parts(stem, |mut part| {
+            group_from_paint.push(self.group_from_paint(part.material));
             part.stem_from_part = self.here.group_from_here * part.stem_from_part;
             part.material = part.material.or(self.here.material);
             parts.push(part);
         });
-        take(&parts)
+        let route = self.here.route.then(Route::step(stem.route));
+        let whole = WholeStem { parts: &parts, group_from_paint: &group_from_paint, route };
+        self.walk.stems.as_deref_mut().map_or(Ok(()), |take| take(&whole))
     }
 }

@@ -14,14 +14,16 @@ use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
 
 /// Smaller forms, for the reference walker goes through every copy on every ray.
-const SETTINGS: [(&str, &str, &str); 19] = [
+const SETTINGS: [(&str, &str, &str); 21] = [
     ("autumn", "Litter.leaves", "60"),
     ("autumn", "Tree.age", "3"),
     ("carpenter", "Carpenter.order", "3"),
     ("conifer", "Conifer.order", "1"),
     ("conifer", "Conifer.rings", "4"),
+    ("crown", "generations", "2"),
     ("flower", "Flower.florets", "40"),
     ("flower", "Flower.petals", "9"),
+    ("grove", "trees", "5"),
     ("landsberg", "order", "4"),
     ("menger", "Menger.order", "2"),
     ("oasis", "palms.Palm.fronds", "4"),

@@ -105,14 +105,14 @@ fn pieces(list: &SegmentList) -> (Vec<Piece>, Vec<Joint>) {
         let is_ball = part.primitive.kind() == PrimitiveKind::Sphere;
         let is_outside = if is_ball { [true; 2] } else { [is_outside(number), is_outside(number + 1)] };
         number += usize::from(!is_ball);
-        pieces.push(Piece { part, part_from_stem: part.stem_from_part.inverse(), is_outside });
+        pieces.push(Piece { part_from_stem: part.stem_from_part.inverse(), part, is_outside });
     });
     (pieces, joints.joints().to_vec())
 }
 
 /// The pieces of a line inside a stem: each end with the piece and the face.
-fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u8)> {
-    let lists: Vec<Intervals<(usize, u8)>> = pieces
+fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u16)> {
+    let lists: Vec<Intervals<(usize, u16)>> = pieces
         .iter()
         .enumerate()
         .map(|(number, piece)| {
@@ -124,7 +124,7 @@ fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u8)> {
 }
 
 /// Whether a face that was met may be seen.
-fn is_visible(pieces: &[Piece], (piece, face): (usize, u8)) -> bool {
+fn is_visible(pieces: &[Piece], (piece, face): (usize, u16)) -> bool {
     face == 0 || pieces[piece].is_outside[usize::from(face) - 1]
 }
 

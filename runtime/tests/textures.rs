@@ -135,6 +135,24 @@ fn noise_has_the_dimension_that_is_asked_for() {
     }
 }
 
+/// What is lost when a beam becomes twice as wide is one size of noise, and its variance falls with the size to twice the Hurst exponent.
+#[test]
+fn the_variance_of_noise_falls_with_scale_as_its_dimension_says() {
+    for dimension in [2.2, 2.3, 2.5, 2.8, 2.9] {
+        let field = Field::new(&fbm(Fbm { dimension, octaves: 16, frequency: 1.0, lacunarity: 2.0 }), 8);
+        let band = |width: f64| {
+            let seen = |point, width| field.at(point, &from_above(width)).value;
+            let differences = points(40_000).map(|it| seen(it, width) - seen(it, 2.0 * width));
+            differences.map(|it| it * it).sum::<f64>()
+        };
+        // Between the largest octave and the smallest.
+        let steps = [4, 5, 6, 7, 8, 9, 10].map(|it| libm::log2(band(libm::exp2(-f64::from(it)))));
+        let exponent = (steps[0] - steps[6]) / 6.0;
+        let expected = 2.0 * (3.0 - dimension);
+        assert!((exponent / expected - 1.0).abs() < 0.05, "{dimension}: {exponent} for {expected}");
+    }
+}
+
 #[test]
 fn what_is_finer_than_a_beam_leaves_its_mean() {
     for texture in textures() {

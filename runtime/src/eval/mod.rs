@@ -20,3 +20,4 @@ pub(crate) use meaning::{drawn, matrix, rotation, trail_step, unit};
 pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise};
 pub use path::{Path, Place};
 pub(crate) use path::{fraction, mix, spread};
+pub(crate) use random::uniform;

@@ -84,6 +84,8 @@ pub struct Material {
     pub relief: Option<TextureId>,
     /// How high both rise where the texture is 1, in metres.
     pub depth: f64,
+    /// How deep the surfaces of hulls are carved by noise at most, in metres.
+    pub roughen: f64,
     /// How much it shines, from 0 to 1.
     pub gloss: f64,
     /// How much of what is seen straight in it is a mirror image, from 0 to 1.
@@ -106,6 +108,7 @@ impl Default for Material {
             bump: None,
             relief: None,
             depth: 0.02,
+            roughen: 0.0,
             gloss: 0.0,
             mirror: 0.0,
             translucent: 0.0,

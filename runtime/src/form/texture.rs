@@ -50,6 +50,8 @@ pub enum Pattern {
     Fbm(Fbm),
     /// Tiles that show a picture.
     Image(Image),
+    /// Chunks of colour in a cube that tiles space (FG86, section 4).
+    Chunks(Chunks),
 }
 
 /// The numbers of a [`Pattern::Fourier`].
@@ -89,6 +91,30 @@ pub struct Image {
     pub size: f64,
 }
 
+/// What a [`Pattern::Chunks`] is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chunks {
+    /// How many cells are on a side of the cube: a power of two, at most [`Chunks::MOST_CELLS`].
+    pub cube: u32,
+    /// How long a side is, in metres; above 0.
+    pub size: f64,
+    /// How many chunks there are.
+    pub count: u32,
+    /// How many cells a chunk has on a side, at least and at most: 1 or more, in this order.
+    pub chunk: [u32; 2],
+    /// The colours, sRGB: 1 to [`Chunks::MOST_COLORS`] of them.
+    pub colors: Vec<[f64; 3]>,
+    /// How many of the chunks have each of them, in parts: 0 or more, and one of them more.
+    pub share: Vec<f64>,
+}
+
+impl Chunks {
+    /// The most cells on a side.
+    pub const MOST_CELLS: u32 = 256;
+    /// The most colours.
+    pub const MOST_COLORS: usize = 255;
+}
+
 impl Fourier {
     /// The most waves that a sum has.
     pub const MOST_TERMS: u32 = 12;
@@ -118,7 +144,7 @@ impl Texture {
             name: String::new(),
             space: match pattern {
                 Pattern::Fourier(_) => Space::World,
-                Pattern::Fbm(_) => Space::Object,
+                Pattern::Fbm(_) | Pattern::Chunks(_) => Space::Object,
                 Pattern::Image(_) => Space::Stem,
             },
             seed: 0.0,

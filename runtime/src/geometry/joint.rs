@@ -41,7 +41,7 @@ pub enum Joint {
 }
 
 /// A part of a stem.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Part {
     /// What it is.
     pub primitive: Primitive,

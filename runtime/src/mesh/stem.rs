@@ -93,7 +93,7 @@ pub(super) fn single(primitive: &Primitive, surface: &mut Surface) {
     let wrap = Wrap { turn: 0.0, along: [0.0, 1.0] };
     let part = Part {
         rind: None,
-        primitive: *primitive,
+        primitive: primitive.clone(),
         parameters: None,
         wrap,
         stem_from_part: glam::DAffine3::IDENTITY,

@@ -35,7 +35,7 @@ use crate::trace::cells::{CellTracer, Culling};
 pub use framing::frame;
 pub use light::EXPOSURE;
 pub use mirror::MAX_BOUNCES;
-pub use view::{MAX_PIXELS, MAX_SAMPLES};
+pub use view::{MAX_CELLS, MAX_PIXELS, MAX_SAMPLES};
 pub use write_exr::write_exr;
 pub use write_png::write_png;
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::color::{linear, within};
 use crate::eval::{fraction, spread};
-use crate::form::{Material, MaterialId, Scene, Space, TextureId};
+use crate::form::{Material, MaterialId, Scene, Space, Texture, TextureId};
 use crate::texture::Field;
 
 /// A material, ready for use.
@@ -70,7 +70,9 @@ pub(super) struct Paints {
 impl Paints {
     pub(super) fn new(scene: &Scene) -> Self {
         let plain = Material::default();
-        let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, scene)).collect();
+        // Materials with one texture share it, and what it keeps in memory.
+        let patterns: Vec<Pattern> = scene.textures.iter().map(|it| Pattern::new(it, scene.seed)).collect();
+        let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, &patterns)).collect();
         Self {
             mirrors: paints.iter().any(|it| it.mirror > 0.0),
             textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some() || it.relief.is_some()),
@@ -87,7 +89,8 @@ impl Paints {
 }
 
 impl Paint {
-    fn new(material: &Material, scene: &Scene) -> Self {
+    fn new(material: &Material, patterns: &[Pattern]) -> Self {
+        let pattern = |it: TextureId| patterns.get(it.0 as usize).cloned();
         let srgb = DVec3::from_array(material.color);
         let range = DVec3::from_array(material.range);
         let shade = |pattern| Shade { pattern, amount: within(material.amount, 1.0) };
@@ -99,9 +102,9 @@ impl Paint {
             gloss: Gloss::new(material.gloss),
             mirror: within(material.mirror, 1.0),
             translucent: within(material.translucent, 1.0),
-            shade: material.shade.and_then(|it| Pattern::new(it, scene)).map(shade),
-            bump: material.bump.and_then(|it| Pattern::new(it, scene)).map(bump),
-            relief: material.relief.filter(|_| material.depth > 0.0).and_then(|it| Pattern::new(it, scene)).map(bump),
+            shade: material.shade.and_then(pattern).map(shade),
+            bump: material.bump.and_then(pattern).map(bump),
+            relief: material.relief.filter(|_| material.depth > 0.0).and_then(pattern).map(bump),
         }
     }
 
@@ -115,9 +118,8 @@ impl Paint {
 }
 
 impl Pattern {
-    fn new(texture: TextureId, scene: &Scene) -> Option<Self> {
-        let texture = scene.textures.get(texture.0 as usize)?;
-        Some(Self { space: texture.space, field: Field::new(texture, scene.seed) })
+    fn new(texture: &Texture, seed: u64) -> Self {
+        Self { space: texture.space, field: Field::new(texture, seed) }
     }
 }
 

@@ -7,7 +7,7 @@ use super::paint::{Bump, Paint, Paints, Pattern, Shade};
 use super::shade::Pass;
 use crate::form::Space;
 use crate::geometry::Hide;
-use crate::texture::{Footprint, Laid};
+use crate::texture::{Footprint, Laid, Tint};
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
 /// The skins of a batch's fragments.
@@ -56,6 +56,8 @@ pub(super) struct Skin {
     pub(super) normal: DVec3,
     /// By how much the parts of its colour are shaded: 1 is not at all.
     pub(super) tone: DVec3,
+    /// What takes the place of its colour.
+    pub(super) tint: Option<Tint>,
     /// Whether the normal was turned.
     pub(super) bumped: bool,
     /// Whether it really rises and falls: then the fragment's own normal is that of the smooth surface under it.
@@ -63,18 +65,36 @@ pub(super) struct Skin {
 }
 
 impl Skin {
+    /// The colour of a surface that would have this one.
+    pub(super) fn color(&self, color: DVec3) -> DVec3 {
+        let color = color * self.tone;
+        self.tint.map_or(color, |it| it.color + color * (1.0 - it.cover))
+    }
+
     /// Of a fragment that a beam met.
     fn new(fragment: &Fragment, places: &Places<'_>, paint: &Paint, beam: &Beam) -> Self {
-        let mut skin = Self { normal: fragment.normal, tone: DVec3::ONE, bumped: false, real: false };
+        let mut skin = Self { normal: fragment.normal, tone: DVec3::ONE, tint: None, bumped: false, real: false };
         if paint.shade.is_none() && paint.bump.is_none() && paint.relief.is_none() {
             return skin;
         }
         let footprint = footprint(fragment, beam);
         if let Some(Shade { pattern, amount }) = &paint.shade {
             let Pattern { field, .. } = pattern;
-            let color = met(pattern, fragment, places, &footprint)
-                .map_or_else(|| field.mean_color(), |it| field.color(it.laid, it.point, &it.footprint));
-            skin.tone = color.to_array().map(|it| 1.0 - amount * (1.0 - within(it, 1.0))).into();
+            let place = met(pattern, fragment, places, &footprint);
+            let tint = match &place {
+                Some(it) => field.tint(it.point, &it.footprint),
+                None => field.mean_tint(),
+            };
+            match tint {
+                Some(tint) => {
+                    skin.tint = Some(Tint { color: tint.color * *amount, cover: within(tint.cover * amount, 1.0) });
+                }
+                None => {
+                    let color =
+                        place.map_or_else(|| field.mean_color(), |it| field.color(it.laid, it.point, &it.footprint));
+                    skin.tone = color.to_array().map(|it| 1.0 - amount * (1.0 - within(it, 1.0))).into();
+                }
+            }
         }
         if let Some(relief) = &paint.relief {
             skin.rise(relief, fragment, places, &footprint);

@@ -8,7 +8,7 @@ use super::shade::{Key, Scratch, Shader};
 use super::view::View;
 use super::{RayCounts, Rect, Watch};
 use crate::fault::Fault;
-use crate::scan::{Frame, Scanner, Tour};
+use crate::scan::{Frame, Room, Scanner};
 use crate::trace::{Beam, RayFault, Seen, Tracer};
 
 /// How many rays go to the tracer at once: enough for its packets, few enough that their samples stay in cache.
@@ -58,7 +58,7 @@ pub(super) struct Painter<'a> {
     /// What the scanner has drawn: the first of its grids has the samples of this number.
     frame: Frame,
     first_grid: u32,
-    tour: Tour,
+    room: Room,
     work: Vec<u32>,
     scratch: Scratch,
     camera_count: u64,
@@ -78,7 +78,7 @@ impl<'a> Painter<'a> {
             seen: Seen::default(),
             frame: Frame::new(setting.rays.projection()),
             first_grid: 0,
-            tour: Tour::default(),
+            room: Room::default(),
             work: Vec::new(),
             scratch: Scratch::default(),
             camera_count: 0,
@@ -175,7 +175,7 @@ impl<'a> Painter<'a> {
         }
         self.first_grid = first;
         self.frame.clear(rect, offsets);
-        scanner.fill(&mut self.frame, &mut self.tour);
+        scanner.fill(&mut self.frame, &mut self.room);
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::frame::{Frame, Piece, Shape};
+use super::hull::{self, Hull, Registers};
 use super::model::Run;
 use super::solid::{self, Meeting};
 use super::tour::{Met, What};
@@ -12,13 +13,17 @@ use super::triangle::{self, Seeing};
 use crate::form::PrimitiveKind;
 use crate::geometry::Aabb;
 use crate::mesh::Surface;
+use crate::texture::Roughs;
 
-/// Draws what is met and says what it is.
-pub(crate) fn show(frame: &mut Frame, met: &Met<'_>) {
-    if draw(frame, met, Meeting::First) {
+/// Draws what is met and says what it is; `roughs` say how hulls are carved.
+pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, roughs: &Roughs, met: &Met<'_>) {
+    if draw(frame, registers, roughs, met, Meeting::First) {
         let own_from_world = Box::new(met.world_from_own.inverse());
         let shape = match met.what {
-            What::Primitive(primitive) => Shape::Primitive(*primitive, own_from_world),
+            What::Primitive(primitive) => {
+                let rough = primitive.hull().and_then(|_| roughs.of(met.look.material)).cloned();
+                Shape::Primitive(primitive.clone(), own_from_world, rough)
+            }
             What::Surface(surface, _) => Shape::Surface(Arc::clone(surface), own_from_world),
         };
         frame.say(Piece { look: met.look, shape });
@@ -26,8 +31,20 @@ pub(crate) fn show(frame: &mut Frame, met: &Met<'_>) {
 }
 
 /// Draws what is met as the piece of the next number: solids where rays meet them so. Says whether any of it is seen.
-pub(crate) fn draw(frame: &mut Frame, met: &Met<'_>, meeting: Meeting) -> bool {
+pub(crate) fn draw(
+    frame: &mut Frame,
+    registers: &mut Registers,
+    roughs: &Roughs,
+    met: &Met<'_>,
+    meeting: Meeting,
+) -> bool {
     let map = &met.world_from_own;
+    if let What::Primitive(primitive) = met.what
+        && let Some(set) = primitive.hull()
+    {
+        let hull = Hull { primitive, set, world_from_own: map, rough: roughs.of(met.look.material) };
+        return hull::draw(frame, registers, hull, meeting);
+    }
     match met.what {
         What::Primitive(primitive) if primitive.kind() == PrimitiveKind::Triangle => {
             let seeing = Seeing::new(frame);

@@ -15,6 +15,7 @@ use super::tour::Look;
 use crate::geometry::Primitive;
 use crate::mesh::Surface;
 use crate::picture::Rect;
+use crate::texture::Rough;
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
 /// Depth and surface of every sample of a tile.
@@ -50,8 +51,8 @@ pub(crate) struct Piece {
 /// The form of a [`Piece`].
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// A primitive: normals are those of its faces.
-    Primitive(Primitive, Box<DAffine3>),
+    /// A primitive: normals are those of its faces, or of a carved surface.
+    Primitive(Primitive, Box<DAffine3>, Option<Arc<Rough>>),
     /// Triangles: normals lie between those of their corners.
     Surface(Arc<Surface>, Box<DAffine3>),
 }
@@ -216,8 +217,10 @@ impl Piece {
 impl Shape {
     fn normal(&self, position: DVec3, face: u32, beam: &Beam) -> DVec3 {
         let (own, own_from_world, is_solid) = match self {
-            Self::Primitive(primitive, own_from_world) => {
-                let own = primitive.normal(own_from_world.transform_point3(position), face as u8);
+            Self::Primitive(primitive, own_from_world, rough) => {
+                let point = own_from_world.transform_point3(position);
+                let own = primitive.normal(point, face as u16);
+                let own = rough.as_ref().map_or(own, |it| it.normal(own, point));
                 (own, own_from_world, primitive.is_solid())
             }
             Self::Surface(surface, own_from_world) => {
@@ -256,7 +259,7 @@ mod tests {
             let column = if number == 0 { 1 } else { 0 };
             assert!(frame.grid(0).put(column, 0, 20_000.0 - f64::from(number), piece, 0));
             let look = Look { material: None, world_from_paint: None, route: u64::from(number), origin: Origin::NONE };
-            frame.say(Piece { look, shape: Shape::Primitive(sphere, Box::new(DAffine3::IDENTITY)) });
+            frame.say(Piece { look, shape: Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY), None) });
             most = most.max(frame.pieces.len());
         }
         assert!(most <= 2 * LEAST_PIECES, "{most}");

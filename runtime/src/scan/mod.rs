@@ -9,6 +9,7 @@
 
 mod draw;
 mod frame;
+mod hull;
 mod model;
 mod outline;
 mod projection;
@@ -23,18 +24,29 @@ use crate::form::Scene;
 use crate::limits::Limits;
 use crate::mesh::{LeftOut, StemSurface};
 use crate::picture::Watch;
+use crate::texture::Roughs;
 
 pub(crate) use frame::Frame;
+use hull::Registers;
 use model::Model;
 pub(crate) use projection::Projection;
 pub(crate) use shadow::Shadows;
-pub(crate) use tour::Tour;
+use tour::Tour;
+
+/// What is kept from one tile to the next.
+#[derive(Debug, Default)]
+pub(crate) struct Room {
+    tour: Tour,
+    registers: Registers,
+}
 
 /// Draws a scene. What it makes of the scene serves for as many pictures as are wanted.
 #[derive(Debug)]
 pub struct Scanner {
     model: Model,
     left_out: Vec<LeftOut>,
+    /// How the surfaces of materials are carved.
+    roughs: Roughs,
 }
 
 impl Scanner {
@@ -45,7 +57,7 @@ impl Scanner {
     /// A fault of the scene, or a limit.
     pub fn new(scene: &Scene, stems: StemSurface, limits: &Limits, watch: &dyn Watch) -> Result<Self, Fault> {
         let (model, left_out) = Model::new(scene, stems, limits, watch)?;
-        Ok(Self { model, left_out })
+        Ok(Self { model, left_out, roughs: Roughs::new(&scene.materials, scene.seed) })
     }
 
     /// What it does not draw, in the order in which it was met.
@@ -59,9 +71,10 @@ impl Scanner {
     }
 
     /// Draws what is seen in a frame.
-    pub(crate) fn fill(&self, frame: &mut Frame, tour: &mut Tour) {
+    pub(crate) fn fill(&self, frame: &mut Frame, room: &mut Room) {
+        let Room { tour, registers } = room;
         let projection = *frame.projection();
         let planes = frame.planes();
-        tour.go(&self.model, &projection, &planes, |met| draw::show(frame, &met));
+        tour.go(&self.model, &projection, &planes, |met| draw::show(frame, registers, &self.roughs, &met));
     }
 }

@@ -163,7 +163,7 @@ impl Maker for Modeller {
         let Solid::Leaf { primitive, origin, .. } = &item.solid else { return Ok(None) };
         self.spend(component, 1, *origin)?;
         let bounds = primitive.bounds().mapped(&item.group_from_item);
-        component.put(bounds, &bounds, thing(item, Holds::Primitive(Box::new(*primitive), *origin)));
+        component.put(bounds, &bounds, thing(item, Holds::Primitive(Box::new(primitive.clone()), *origin)));
         Ok(None)
     }
 

@@ -10,6 +10,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::frame::Frame;
+use super::hull::Registers;
 use super::model::Model;
 use super::projection::Projection;
 use super::solid::Meeting;
@@ -67,13 +68,13 @@ impl Shadows {
         let mut endless = Vec::new();
         Tour::default().endless(model, |met| {
             if let What::Primitive(primitive) = met.what {
-                endless.push(Endless { primitive: *primitive, own_from_world: met.world_from_own.inverse() });
+                endless.push(Endless { primitive: primitive.clone(), own_from_world: met.world_from_own.inverse() });
             }
         });
         let most = MOST_TEXELS / suns.len().max(1) as f64;
         let maps = suns.iter().filter_map(|it| Map::new(model, *it, seen, most)).collect();
         let mut shadows = Self { maps, endless, eye: seen.eye };
-        shadows.maps.iter_mut().for_each(|it| it.fill(model, watch));
+        shadows.maps.iter_mut().for_each(|it| it.fill(scanner, watch));
         shadows
     }
 
@@ -167,20 +168,20 @@ impl Map {
     }
 
     /// Draws what the sun sees.
-    fn fill(&mut self, model: &Model, watch: &dyn Watch) {
+    fn fill(&mut self, scanner: &Scanner, watch: &dyn Watch) {
         let Self { projection, width, height, depths } = self;
-        let room = || (Frame::new(*projection), Tour::default());
+        let room = || (Frame::new(*projection), Tour::default(), Registers::default());
         let bands = depths.par_chunks_mut((ROWS * *width) as usize).enumerate();
-        bands.for_each_init(room, |(frame, tour), (band, depths)| {
+        bands.for_each_init(room, |(frame, tour, registers), (band, depths)| {
             if watch.interrupted() {
                 return;
             }
             let y = band as u32 * ROWS;
             frame.clear(Rect { x: 0, y, width: *width, height: ROWS.min(*height - y) }, &[DVec2::ZERO]);
             let planes = frame.planes();
-            tour.go(model, projection, &planes, |met| {
+            tour.go(&scanner.model, projection, &planes, |met| {
                 if !met.what.is_endless() {
-                    draw::draw(frame, &met, Meeting::Middle);
+                    draw::draw(frame, registers, &scanner.roughs, &met, Meeting::Middle);
                 }
             });
             depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);

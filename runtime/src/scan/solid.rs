@@ -9,7 +9,7 @@ use pulp::f64x8;
 use super::frame::{Frame, Grid};
 use super::outline::Outline;
 use super::projection::Fan;
-use crate::geometry::{Convex, Crossing, FACE, Lines, Pieces, Primitive, Ray};
+use crate::geometry::{Chord, Convex, Crossing, FACE, Lines, Pieces, Pierced, Primitive, Ray};
 use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
 
 /// Where a ray meets a solid, for who draws it.
@@ -136,10 +136,15 @@ impl Meeting {
                 let ends = chords.iter().flat_map(|it| [it.near, it.far]);
                 ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
             }
-            Self::Middle => {
-                let chord = chords.first()?;
-                Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face })
-            }
+            Self::Middle => self.of_chord(chords.first()?),
+        }
+    }
+
+    /// Where a ray meets the solid that it has this piece inside.
+    pub(super) fn of_chord(self, chord: &Chord) -> Option<Crossing> {
+        match self {
+            Self::First => [chord.near, chord.far].into_iter().find(|it| it.t > 0.0 && it.t.is_finite()),
+            Self::Middle => Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face }),
         }
     }
 

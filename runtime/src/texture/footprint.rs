@@ -52,6 +52,11 @@ impl Footprint {
         fade(across * across + along * along)
     }
 
+    /// The deviation of a round spot of the same area.
+    pub(super) fn deviation(&self) -> f64 {
+        self.across.cross(self.along).length().sqrt()
+    }
+
     /// How much is left of waves of all directions, of so many radians a metre.
     pub(super) fn left_of_waves(&self, wave_number: f64) -> f64 {
         // Between the ellipse's axes lies the side of a square of its area.

@@ -4,22 +4,27 @@
 //! them. What is finer than the footprint fades away and leaves its mean, so a texture neither flickers nor changes its tone where
 //! it is seen from far away.
 
+mod cube;
 mod decode;
 mod fbm;
 mod footprint;
 mod fourier;
+mod rough;
 mod tiles;
 
 use glam::DVec3;
 
+use self::cube::LazyCube;
 use self::fbm::Octaves;
 use self::fourier::Terms;
 use self::tiles::Tiles;
 use crate::eval::mix;
 use crate::form::{Pattern, Texture};
 
+pub use cube::Tint;
 pub use decode::{BadPicture, decode_png};
 pub use footprint::Footprint;
+pub(crate) use rough::{Rough, Roughs};
 
 /// What a texture is at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +58,7 @@ enum Waves {
     Fourier(Terms),
     Fbm(Octaves),
     Image(Tiles),
+    Chunks(LazyCube),
 }
 
 impl Field {
@@ -66,6 +72,7 @@ impl Field {
                 Pattern::Fourier(it) => Waves::Fourier(Terms::new(it, seed)),
                 Pattern::Fbm(it) => Waves::Fbm(Octaves::new(it, seed)),
                 Pattern::Image(it) => Waves::Image(Tiles::new(it)),
+                Pattern::Chunks(it) => Waves::Chunks(LazyCube::new(it, seed)),
             },
         }
     }
@@ -82,6 +89,7 @@ impl Field {
             Waves::Fourier(it) => it.at(point, &footprint),
             Waves::Fbm(it) => it.at(point, &footprint),
             Waves::Image(it) => it.at(laid, point, &footprint),
+            Waves::Chunks(it) => it.at(point, &footprint),
         };
         let slope = tone.slope * self.shrink;
         // So far away that numbers have no places between them, nothing is to be seen.
@@ -106,6 +114,7 @@ impl Field {
             Waves::Fourier(it) => it.at(point, &Footprint::POINT).value,
             Waves::Fbm(it) => it.value_at(point),
             Waves::Image(it) => it.height_at(laid, point),
+            Waves::Chunks(it) => it.at(point, &Footprint::POINT).value,
         };
         // What is no number is deep.
         if height > 0.0 { height.min(1.0) } else { 0.0 }
@@ -118,6 +127,7 @@ impl Field {
             Waves::Fbm(it) => it.finest(),
             // Slopes that last for less than some texels are too low to be missed.
             Waves::Image(it) => 4.0 * it.finest(),
+            Waves::Chunks(it) => it.finest(),
         };
         own / self.shrink.max_element()
     }
@@ -128,11 +138,27 @@ impl Field {
             Waves::Fourier(_) => fourier::MEAN,
             Waves::Fbm(_) => fbm::MEAN,
             Waves::Image(it) => it.mean(),
+            Waves::Chunks(it) => it.mean(),
         }
     }
 
     /// The mean of what it multiplies colours by.
     pub fn mean_color(&self) -> DVec3 {
         if let Waves::Image(it) = &self.waves { it.mean_color() } else { DVec3::splat(self.mean()) }
+    }
+
+    /// The colour that it has at a point and that takes the place of what it is on, as far as can be seen with this footprint; none if it
+    /// has a tone only.
+    pub fn tint(&self, point: DVec3, footprint: &Footprint) -> Option<Tint> {
+        let Waves::Chunks(cube) = &self.waves else {
+            return None;
+        };
+        let tint = cube.tint((point - self.offset) * self.shrink, &footprint.scaled(self.shrink));
+        Some(if tint.color.is_finite() { tint } else { cube.mean_tint() })
+    }
+
+    /// The mean of that colour over space.
+    pub fn mean_tint(&self) -> Option<Tint> {
+        if let Waves::Chunks(cube) = &self.waves { Some(cube.mean_tint()) } else { None }
     }
 }

@@ -20,6 +20,7 @@ use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select, Stem};
 use crate::geometry::{Aabb, Hide, Intervals, Joints, Part, Primitive, Ray, Rind};
 use crate::limits::Limits;
+use crate::texture::Roughs;
 
 /// Traces rays through a scene by the book.
 #[derive(Debug)]
@@ -27,13 +28,16 @@ pub struct Reference<'s> {
     scene: &'s Scene,
     /// The reliefs of its materials.
     hides: Vec<Option<Arc<Hide>>>,
+    /// How the surfaces of its materials are carved.
+    roughs: Roughs,
     limits: Limits,
 }
 
 impl<'s> Reference<'s> {
     /// A walker through a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { scene, hides: scene.materials.iter().map(|it| scene.hide(it)).collect(), limits: *limits }
+        let hides = scene.materials.iter().map(|it| scene.hide(it)).collect();
+        Self { scene, hides, roughs: Roughs::new(&scene.materials, scene.seed), limits: *limits }
     }
 
     /// Everything on a line: t from -inf to inf.
@@ -43,6 +47,7 @@ impl<'s> Reference<'s> {
             graph,
             scene: self.scene,
             hides: &self.hides,
+            roughs: &self.roughs,
             machine: Machine::new(graph.functions(), self.scene.seed, &self.limits),
             limits: &self.limits,
             from,
@@ -69,7 +74,7 @@ impl<'s> Reference<'s> {
         let Walked { line, surfaces, .. } = self.walk(ray, from)?;
         if let Some((t, surface, flipped)) = line.first_after_start() {
             let surface = &surfaces[surface as usize];
-            seen.push(surface.fragment(ray, t, flipped));
+            seen.push(surface.fragment(ray, t, flipped, &self.roughs));
             surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
             if let Some(rind) = &surface.rind {
                 let standing = Standing { ray: surface.ray, chain: Rc::clone(&surface.chain) };
@@ -172,11 +177,16 @@ struct Surface {
     ray: Ray,
     chain: Rc<Chain>,
     site: Site,
+    /// Whether it is the surface of a hull that its material may carve.
+    carved: bool,
 }
 
 impl Surface {
-    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool) -> Fragment {
-        let own = self.primitive.normal(self.ray.at(t), self.site.face);
+    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool, roughs: &Roughs) -> Fragment {
+        let mut own = self.primitive.normal(self.ray.at(t), self.site.face);
+        if let Some(rough) = roughs.of(self.material).filter(|_| self.carved) {
+            own = rough.normal(own, self.ray.at(t));
+        }
         let mut normal = self.chain.normal_to_world(own).normalize();
         let against = !self.primitive.is_solid() && normal.dot(world_ray.direction) > 0.0;
         if flipped || against {
@@ -229,6 +239,7 @@ struct Walk<'w, 's> {
     graph: &'s Graph,
     scene: &'s Scene,
     hides: &'w [Option<Arc<Hide>>],
+    roughs: &'w Roughs,
     machine: Machine<'s>,
     limits: &'w Limits,
     /// The surface that the ray starts on.
@@ -408,11 +419,16 @@ impl Walk<'_, '_> {
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
-            let relief = bark.and_then(Bark::relief);
-            let chords = match relief {
+            let mut chords = match bark.and_then(Bark::relief) {
                 Some(relief) => relief.chords(&here.ray, from),
                 None => primitive.chords(&here.ray, from),
             };
+            // What is cut by others is not carved; neither is what the ray starts on, since that lies below its planes.
+            if let Some(set) = primitive.hull().filter(|_| !here.frozen && from.is_none())
+                && let Some(rough) = self.roughs.of(here.material)
+            {
+                chords = chords.into_iter().filter_map(|it| rough.left(set, &here.ray, it)).collect();
+            }
             line.inside = Intervals::of_chords(&chords, |it| self.surface((primitive, rind), origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
             line.crossings.push((crossing.t, self.surface((primitive, rind), origin, here, crossing.face)));
@@ -427,9 +443,15 @@ impl Walk<'_, '_> {
     }
 
     /// Notes a surface that was met, and gives it a number.
-    fn surface(&mut self, (primitive, rind): (&Primitive, Option<Rind>), origin: Origin, here: &Here, face: u8) -> u32 {
+    fn surface(
+        &mut self,
+        (primitive, rind): (&Primitive, Option<Rind>),
+        origin: Origin,
+        here: &Here,
+        face: u16,
+    ) -> u32 {
         self.surfaces.push(Surface {
-            primitive: *primitive,
+            primitive: primitive.clone(),
             origin,
             material: here.material,
             standing: here.standing.clone(),
@@ -438,6 +460,7 @@ impl Walk<'_, '_> {
             ray: here.ray,
             chain: Rc::clone(&here.chain),
             site: Site { path: here.site.clone(), face },
+            carved: primitive.hull().is_some() && !here.frozen,
         });
         self.surfaces.len() as u32 - 1
     }
@@ -495,6 +518,13 @@ impl shapes::Taker for Parts<'_, '_, '_> {
         let hide = here.material.and_then(|it| self.walk.hides.get(it.0 as usize)?.clone());
         let bark = part.rind.filter(|_| on_stems).map(|rind| Bark { rind, hide });
         let line = self.walk.primitive(&part.primitive, bark.as_ref(), part.origin, &here)?;
+        self.lines.push(line);
+        Ok(())
+    }
+
+    fn hull(&mut self, hull: shapes::Hull) -> Result<(), Fault> {
+        let here = self.next(&DAffine3::IDENTITY, hull.material, Route::START);
+        let line = self.walk.primitive(&hull.primitive, None, hull.origin, &here)?;
         self.lines.push(line);
         Ok(())
     }

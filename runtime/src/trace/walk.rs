@@ -90,7 +90,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                 Node::Empty => return Ok(()),
                 Node::Primitive { kind, code, origin } => {
                     let primitive = match self.expander.fixed(node) {
-                        Fixed::Primitive(primitive) => *primitive,
+                        Fixed::Primitive(primitive) => primitive.clone(),
                         _ => {
                             let values = self.machine.primitive(*kind, code, &mut self.env)?;
                             Primitive::new(*kind, &values).ok_or_else(|| {
@@ -290,6 +290,16 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
             solid: Solid::Leaf { primitive: part.primitive, origin: part.origin, bark },
         });
         Ok(())
+    }
+
+    fn hull(&mut self, hull: shapes::Hull) -> Result<(), Fault> {
+        let here = Here {
+            material: hull.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(hull.material),
+            ..*self.here
+        };
+        let solid = Solid::Leaf { primitive: hull.primitive, origin: hull.origin, bark: None };
+        self.walk.put(self.group, &here, solid, hull.origin)
     }
 
     fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {

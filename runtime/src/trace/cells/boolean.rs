@@ -13,7 +13,7 @@ use super::store::Generation;
 use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{End, Interval, Intervals};
+use crate::geometry::{End, Interval, Intervals, Primitive};
 use crate::lanes::Kernel;
 
 /// The pieces of a ray inside something.
@@ -142,12 +142,12 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Fault> {
         if !leaf.solid {
             let origin = place.cell.parts[leaf.part as usize].origin;
-            return Err(Fault::new(FaultKind::Open(place.cell.primitive(leaf).kind()), origin));
+            return Err(Fault::new(FaultKind::Open(place.cell.with_primitive(leaf, Primitive::kind)), origin));
         }
         // A Boolean that a ray goes through is not asked at all.
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
         let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
-        let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
+        let mark = |face| Mark { trail: place.trail, part: leaf.part, face: leaf.marked(face) };
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }
 

@@ -140,7 +140,7 @@ fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft
     for piece in pieces {
         let way = way.to_piece(piece);
         let shape = match &piece.shape {
-            Shape::Leaf(primitive, origin, bark) => Outline::Leaf(**primitive, *origin, bark.clone()),
+            Shape::Leaf(primitive, origin, bark) => Outline::Leaf((**primitive).clone(), *origin, bark.clone()),
             Shape::Instance(state, origin) => {
                 draft_state(shop, *state, *origin, way, drafts)?;
                 continue;
@@ -375,10 +375,11 @@ impl Layout<'_, '_, '_> {
                 members.push((item, bounds));
             }
         }
-        let with_box = members.iter().filter(|(_, bounds)| bounds.is_finite()).count();
-        let boxed = |bounds: &Aabb| bounds.is_finite() && with_box >= least;
-        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let frame = self.frame;
+        let has_box = |bounds: &Aabb| bounds.is_finite() && frame.holds(bounds);
+        let with_box = members.iter().filter(|(_, bounds)| has_box(bounds)).count();
+        let boxed = |bounds: &Aabb| has_box(bounds) && with_box >= least;
+        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let items = members
             .iter()
             .filter(|(_, bounds)| boxed(bounds))
@@ -402,17 +403,23 @@ impl Layout<'_, '_, '_> {
         let part = self.part(member, way, origin);
         self.cell.barks.extend(bark.map(|it| (part, it.clone())));
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
-        let (leaf_from_cell, shape) = match tame(&primitive, &leaf_from_cell) {
-            Some((leaf_from_cell, convex)) => (leaf_from_cell, LeafShape::Convex(convex)),
-            None => {
-                self.cell.others.push(primitive);
-                (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
-            }
-        };
+        let (solid, bounds) = (primitive.is_solid(), primitive_bounds(&primitive, &way.state_from_inner));
+        let (leaf_from_cell, shape) = self.leaf_shape(primitive, leaf_from_cell);
         let has_relief = bark.is_some_and(|it| it.hide.is_some());
         let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
-        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
-        (member, primitive_bounds(&primitive, &way.state_from_inner))
+        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid, part });
+        (member, bounds)
+    }
+
+    /// What a leaf is in its own frame, and the way there.
+    fn leaf_shape(&mut self, primitive: Primitive, leaf_from_cell: DAffine3) -> (DAffine3, LeafShape) {
+        if let Some((leaf_from_cell, convex)) = tame(&primitive, &leaf_from_cell) {
+            return (leaf_from_cell, LeafShape::Convex(convex));
+        }
+        let number = self.cell.others.len() as u32;
+        let is_hull = primitive.hull().is_some_and(|it| is_tame(it.reach(), &leaf_from_cell));
+        self.cell.others.push(primitive);
+        (leaf_from_cell, if is_hull { LeafShape::Hull(number) } else { LeafShape::Other(number) })
     }
 
     fn instance(&mut self, way: &Way, state: u32, origin: Origin) -> Result<(Ref, Aabb), Fault> {
@@ -478,14 +485,19 @@ fn grown(bounds: &Aabb) -> Aabb {
 
 /// A primitive as a convex one, with the map to its frame, if rays of the cell have numbers there that can be squared.
 fn tame(primitive: &Primitive, leaf_from_cell: &DAffine3) -> Option<(DAffine3, Convex)> {
-    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
-    const MOST: f64 = 1e30;
     let (convex, scale) = primitive.convex()?;
     let map = DAffine3::from_scale(scale) * *leaf_from_cell;
-    let back = inverse(&map).matrix3;
+    is_tame(convex.reach(), &map).then_some((map, convex))
+}
+
+/// Whether rays of the cell have numbers that can be squared in the frame of a leaf that reaches so far.
+fn is_tame(reach: f64, leaf_from_cell: &DAffine3) -> bool {
+    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
+    const MOST: f64 = 1e30;
+    let back = inverse(leaf_from_cell).matrix3;
     let size = |it: &DMat3| [it.x_axis, it.y_axis, it.z_axis].map(|it| it.abs().max_element()).into_iter().sum::<f64>();
-    let reach = convex.reach() + map.translation.abs().max_element();
-    (size(&map.matrix3) < MOST && size(&back) < MOST && reach < MOST).then_some((map, convex))
+    let reach = reach + leaf_from_cell.translation.abs().max_element();
+    size(&leaf_from_cell.matrix3) < MOST && size(&back) < MOST && reach < MOST
 }
 
 /// The inverse of a map however large or small it is: its determinant alone may be out of range.

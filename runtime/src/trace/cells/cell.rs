@@ -15,7 +15,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Chords, Convex, Primitive, Ray, Relief};
+use crate::geometry::{Aabb, Chords, Convex, ConvexSet, Primitive, Ray, Relief};
+use crate::texture::Rough;
 use crate::trace::{Bark, Route};
 
 /// How far a state is merged with those in it.
@@ -157,6 +158,8 @@ pub(super) struct Leaf {
 pub(super) enum LeafShape {
     /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared.
     Convex(Convex),
+    /// A convex set, in such a frame: its number among [`Cell::others`].
+    Hull(u32),
     /// Any other: its number among [`Cell::others`].
     Other(u32),
     /// A segment with a relief: its number among [`Cell::barks`].
@@ -210,12 +213,12 @@ impl Cell {
         Some((way, *state))
     }
 
-    /// A leaf as a primitive.
-    pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
+    /// Calls `ask` with a leaf as a primitive.
+    pub(super) fn with_primitive<T>(&self, leaf: &Leaf, ask: impl FnOnce(&Primitive) -> T) -> T {
         match leaf.shape {
-            LeafShape::Convex(convex) => convex.primitive(),
-            LeafShape::Other(number) => self.others[number as usize],
-            LeafShape::Relief(number) => self.barks[number as usize].1.rind.primitive(),
+            LeafShape::Convex(convex) => ask(&convex.primitive()),
+            LeafShape::Hull(number) | LeafShape::Other(number) => ask(&self.others[number as usize]),
+            LeafShape::Relief(number) => ask(&self.barks[number as usize].1.rind.primitive()),
         }
     }
 
@@ -225,10 +228,34 @@ impl Cell {
     }
 
     /// The pieces of a line inside a leaf, in the frame of the leaf.
-    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u8>) -> Chords {
+    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u16>) -> Chords {
         match self.relief(leaf) {
             Some(relief) => relief.chords(line, from),
-            None => self.primitive(leaf).chords(line, from),
+            None => self.with_primitive(leaf, |it| it.chords(line, from)),
+        }
+    }
+
+    /// The face that a line meets at t, for a mark that does not tell the faces of a convex set apart.
+    pub(super) fn face(
+        &self,
+        leaf: &Leaf,
+        marked: u8,
+        rough: Option<&Rough>,
+        line: impl FnOnce() -> (Ray, f64),
+    ) -> u16 {
+        let Some(set) = self.set(leaf) else {
+            return u16::from(marked);
+        };
+        let (line, t) = line();
+        if rough.is_some() { set.nearest_face(line.at(t)) } else { set.face_at(&line, t) }
+    }
+
+    /// A leaf that is a convex set.
+    #[inline(always)]
+    pub(super) fn set(&self, leaf: &Leaf) -> Option<&ConvexSet> {
+        match leaf.shape {
+            LeafShape::Hull(number) => self.others[number as usize].hull(),
+            LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => None,
         }
     }
 }
@@ -291,6 +318,16 @@ pub(super) struct Frame {
     pub(super) size: f64,
 }
 
+impl Leaf {
+    /// A face as marks tell it: those of a convex set they do not tell apart.
+    pub(super) fn marked(&self, face: u16) -> u8 {
+        match self.shape {
+            LeafShape::Hull(_) => 0,
+            LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => face as u8,
+        }
+    }
+}
+
 impl Instance {
     /// The grain of the cell in it that a ray starts in whose start in the outer cell has this number; none if it starts elsewhere.
     #[inline(always)]
@@ -324,6 +361,13 @@ impl Frame {
         let size = f64::from_bits(exponent << 52);
         let step = size / STEPS;
         Self { center: (center / step).round() * step, size }
+    }
+
+    /// Whether a box lies within -1 to 1: where nothing was known of a state beforehand, something in it may not, and rays that pass
+    /// the frame by are not held against boxes in it.
+    pub(super) fn holds(&self, bounds: &Aabb) -> bool {
+        let own = self.inwards(bounds);
+        own.is_empty() || own.min.abs().max(own.max.abs()).max_element() <= 1.0 + 1e-6
     }
 
     pub(super) fn state_from_cell(&self) -> DAffine3 {
@@ -370,7 +414,7 @@ impl Cell {
             + size_of_val(&*self.unions)
             + size_of_val(&*self.nodes)
             + size_of_val(&*self.leaves)
-            + size_of_val(&*self.others)
+            + self.others.iter().map(|it| size_of_val(it) + it.bytes_apart()).sum::<usize>()
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)

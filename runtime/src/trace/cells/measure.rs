@@ -222,6 +222,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
             position: 0,
             levels: 0,
             unit: 1.0,
+            paint: None,
         };
         let tracing = self.tracing;
         let (generation, cell) = (&*self.generation, self.cell(&self.generation)?);

@@ -432,7 +432,8 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let unit = self.tracer.cell_from_world.unit;
         let boxes = BoxRay::new(ray.origin, ray.direction);
         let (called, from) = (Origin::NONE, ask.start_part(0));
-        let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0, unit };
+        let (trail, paint) = (NONE, None);
+        let passage = Passage { state, called, ray, boxes, from, trail, position: 0, levels: 0, unit, paint };
         match store.cell(self.generation, state, Grain::Fine)? {
             Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Beginning { cell, passage }),
             None => self.ask_unkept(ask, passage),

@@ -12,10 +12,10 @@ use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
-use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at, rough_set};
 use crate::fault::Fault;
-use crate::form::Origin;
-use crate::geometry::Convex;
+use crate::form::{MaterialId, Origin};
+use crate::geometry::Pierced;
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
 use crate::trace::{Beam, Site};
 
@@ -208,6 +208,7 @@ struct Way {
     levels: u32,
     /// As in [`Passage`].
     unit: f64,
+    paint: Option<MaterialId>,
 }
 
 /// Rays in a cell.
@@ -258,7 +259,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         self.scratch.depth = 1;
         let kernel = self.tracing.kernel;
         let unit = cell_from_world.unit;
-        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit };
+        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit, paint: None };
         let asking = self.ask.asking;
         let frame = match self.scratch.frames.first_mut() {
             Some(frame) => frame,
@@ -541,7 +542,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let number = instance.part | grain.bits();
         let trail = self.notes.trails.on(outer_way.trail, number);
         let (levels, unit) = (outer_way.levels + part.levels, outer_way.unit * instance.way.unit);
-        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit });
+        let paint = part.material.or(outer_way.paint);
+        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit, paint });
         inner.starting = 0;
         for ray in lanes_of(outer.starting & rays) {
             if outer.from[ray] == number {
@@ -627,7 +629,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         for ray in lanes_of(frame.starting & rays) {
             if frame.from[ray] == leaf.part {
                 let face = self.ask.from[ray].map(|it| it.face);
-                if is_left(leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
+                if is_left(cell, leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
                     rays &= !(1 << ray);
                 } else {
                     apart |= 1 << ray;
@@ -640,7 +642,14 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let together = rays & !apart;
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
-            LeafShape::Convex(_) => {}
+            LeafShape::Hull(_) if together != 0 => {
+                if rough_set(&self.tracing.store.roughs, cell, leaf, frame.way.paint).is_some() {
+                    apart = rays;
+                } else if let Some(set) = cell.set(leaf) {
+                    apart |= self.convex(leaf, set, together);
+                }
+            }
+            LeafShape::Convex(_) | LeafShape::Hull(_) => {}
             LeafShape::Other(_) | LeafShape::Relief(_) => apart = rays,
         }
         if apart != 0 {
@@ -650,7 +659,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
 
     /// What rays meet of a convex leaf; gives those that have to ask one by one.
     #[inline(always)]
-    fn convex(&mut self, leaf: &Leaf, convex: &Convex, rays: u32) -> u32 {
+    fn convex(&mut self, leaf: &Leaf, convex: &impl Pierced, rays: u32) -> u32 {
         let Some(frame) = self.scratch.last() else {
             return 0;
         };
@@ -711,7 +720,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         for ray in lanes_of(rays) {
             let mut ask = self.ask.of_ray(ray, self.notes);
-            super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
+            super::traverse::leaf(&mut ask, &self.tracing.store.roughs, cell, leaf, &frame.passage(ray));
             let answer = Answer::of(&ask);
             self.ask.answer(ray, answer);
         }
@@ -749,11 +758,11 @@ impl<'g, K: Kernel> Frame<'g, K> {
     /// One of the rays by itself.
     #[inline(always)]
     fn passage(&self, ray: usize) -> Passage {
-        let Way { state, called, trail, position, levels, unit } = self.way;
+        let Way { state, called, trail, position, levels, unit, paint } = self.way;
         let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
         let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
         let boxes = self.rays.boxes.ray(ray);
-        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit }
+        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit, paint }
     }
 
     /// Finds where on each ray nothing more is of interest.

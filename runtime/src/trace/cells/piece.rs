@@ -57,7 +57,9 @@ impl Piece {
     /// About how many bytes some pieces take.
     pub(super) fn bytes(pieces: &[Self]) -> usize {
         let of = |piece: &Self| match &piece.shape {
-            Shape::Leaf(_, _, bark) => size_of::<Primitive>() + bark.as_deref().map_or(0, size_of_val),
+            Shape::Leaf(primitive, _, bark) => {
+                size_of::<Primitive>() + primitive.bytes_apart() + bark.as_deref().map_or(0, size_of_val)
+            }
             Shape::Instance(..) => 0,
             Shape::Intersect(operands) | Shape::Difference(operands) => {
                 operands.iter().map(|it| Self::bytes(it) + size_of_val(it)).sum()

@@ -15,9 +15,11 @@ use super::ending::{Ending, solid};
 use super::measure::Measuring;
 use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
+use super::traverse::rough_set;
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::Ray;
+use crate::texture::Rough;
 use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
 /// A hit as a search leaves it.
@@ -316,15 +318,22 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let Some(part) = cell.parts.get(mark.part as usize) else {
             return;
         };
-        let (normal, spread) = match part.member.named() {
+        let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                let outwards = self.normal(place, cell, leaf, mark.face, hit);
+                // What is cut by others is not carved.
+                let rough = if place.frozen || part.frozen {
+                    None
+                } else {
+                    rough_set(&self.store.roughs, cell, leaf, place.material).map(|it| it.1)
+                };
+                let face = cell.face(leaf, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
+                let outwards = self.normal(place, cell, (leaf, face), rough, hit);
                 let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
-                (if turned { -outwards } else { outwards }, 0.0)
+                (if turned { -outwards } else { outwards }, 0.0, face)
             }
             // The closed box that stands for an instance inside a Boolean.
-            _ => (-hit.ray.direction.normalize(), 0.5),
+            _ => (-hit.ray.direction.normalize(), 0.5, 0),
         };
         let mut path = place.path.clone();
         path.push(mark.part);
@@ -332,7 +341,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             spread,
             material: part.material.or(place.material),
             route: place.route_to(part),
-            site: Site { path, face: mark.face },
+            site: Site { path, face },
             ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
         self.stand(place, mark.part, (hit.ray, hit.depth), seen);
@@ -389,14 +398,24 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
     /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
     #[inline]
-    fn normal(&self, place: &Place, cell: &Cell, leaf: &Leaf, face: u8, hit: &Hit) -> DVec3 {
-        let primitive = cell.primitive(leaf);
-        let point = if primitive.is_flat(face) {
-            DVec3::ZERO
-        } else {
-            point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
-        };
-        let normal = leaf.leaf_from_cell.matrix3.transpose() * primitive.normal(point, face);
+    fn normal(
+        &self,
+        place: &Place,
+        cell: &Cell,
+        (leaf, face): (&Leaf, u16),
+        rough: Option<&Rough>,
+        hit: &Hit,
+    ) -> DVec3 {
+        let normal = cell.with_primitive(leaf, |primitive| {
+            let point = if primitive.is_flat(face) && rough.is_none() {
+                DVec3::ZERO
+            } else {
+                point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
+            };
+            let normal = primitive.normal(point, face);
+            rough.map_or(normal, |it| it.normal(normal, point))
+        });
+        let normal = leaf.leaf_from_cell.matrix3.transpose() * normal;
         let normal = place.cell_from_world.transpose() * (normal * (1.0 / normal.abs().max_element()));
         normal.normalize()
     }
@@ -451,6 +470,11 @@ fn near_one(matrix: DMat3) -> DMat3 {
     }
     let factor = 1.0 / size;
     DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
+}
+
+/// A ray in the frame of a leaf, and `t` there.
+fn line_in(local: &Local, leaf: &Leaf, t: f64) -> (Ray, f64) {
+    (local.line(&leaf.leaf_from_cell), local.own(t))
 }
 
 /// The point at `t` in the frame of a leaf.

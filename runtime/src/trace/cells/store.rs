@@ -24,6 +24,7 @@ use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
 use crate::limits::Limits;
 use crate::quick_hash::BuildQuickHash;
+use crate::texture::Roughs;
 use crate::trace::{Expander, State};
 
 /// Bytes that a workshop may keep whatever the budget.
@@ -36,6 +37,8 @@ const MOST_BENCH: usize = 64 << 20;
 pub(super) struct Store<'s> {
     pub(super) expander: Expander<'s>,
     pub(super) survey: Survey,
+    /// How the surfaces of its materials are carved.
+    pub(super) roughs: Roughs,
     /// One box for each module, if those are what is looked at.
     pub(super) hyper: Option<HyperBoxes>,
     pub(super) limits: Limits,
@@ -121,6 +124,7 @@ impl<'s> Store<'s> {
         Ok(Self {
             expander,
             survey: Survey::new(scene, limits),
+            roughs: Roughs::new(&scene.materials, scene.seed),
             hyper: None,
             limits: *limits,
             benches: Mutex::default(),

@@ -13,9 +13,10 @@ use super::ending::{Met as Ended, ending, veil};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::Origin;
-use crate::geometry::{Crossing, FACE, Ray, Relief, Side};
+use crate::form::{MaterialId, Origin};
+use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Side};
 use crate::lanes::{Kernel, One};
+use crate::texture::{Rough, Roughs};
 use crate::trace::Site;
 
 /// What all searches share.
@@ -50,6 +51,8 @@ pub(super) struct Passage {
     pub(super) levels: u32,
     /// At least the length in the world of what is 1 long in it; infinite where recursion is followed to its end.
     pub(super) unit: f64,
+    /// The paint on the way to it.
+    pub(super) paint: Option<MaterialId>,
 }
 
 /// The stacks of a search, kept from ray to ray.
@@ -238,7 +241,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             next = None;
             match what.named() {
                 Named::Node(node) => next = self.node(ask, number, node),
-                Named::Leaf(number) => leaf(ask, cell, &cell.leaves[number as usize], &frame.passage),
+                Named::Leaf(number) => {
+                    leaf(ask, &self.tracing.store.roughs, cell, &cell.leaves[number as usize], &frame.passage);
+                }
                 Named::Instance(instance) => next = self.instance(ask, &cell.instances[instance as usize])?,
                 Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
             }
@@ -314,7 +319,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let from = if passage.from == number { ask.start_part(position as usize) } else { NONE };
         let trail = ask.notes.trails.on(passage.trail, number);
         let unit = passage.unit * instance.way.unit;
-        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit };
+        let paint = part.material.or(passage.paint);
+        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit, paint };
         let cell = match self.generation.kept(state, grain) {
             Some(cell) => Some(cell),
             None => self.made((state, grain), called)?,
@@ -355,6 +361,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             position,
             levels: passage.levels + part.levels,
             unit: f64::INFINITY,
+            paint: part.material.or(passage.paint),
         };
         self.enter(ask, Start { cell, passage: inner })
     }
@@ -435,37 +442,70 @@ pub(super) fn look_at(
 
 /// What a leaf says to the question.
 #[inline(always)]
-pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
+pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
         let ray = passage.ray.counted_from_start();
-        if !is_left(leaf, &ray, ask.start_face()) {
+        if !is_left(cell, leaf, &ray, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
-    } else if !(passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part)) {
+    } else if passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part) {
+        // It belongs to what the light goes through.
+    } else if let Some((set, rough)) = rough_set(roughs, cell, leaf, passage.paint) {
+        meet_rough(ask, rough, set, leaf, passage);
+    } else {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
+    }
+}
+
+/// A leaf as a convex set, and how its surface is carved, if it is. `paint` is what is on the way to its cell.
+#[inline(always)]
+pub(super) fn rough_set<'c>(
+    roughs: &'c Roughs,
+    cell: &'c Cell,
+    leaf: &Leaf,
+    paint: Option<MaterialId>,
+) -> Option<(&'c ConvexSet, &'c Rough)> {
+    let set = cell.set(leaf)?;
+    let own = cell.parts.get(leaf.part as usize).and_then(|it| it.material);
+    Some((set, roughs.of(own.or(paint))?))
+}
+
+/// What a carved set says to the question.
+#[cold]
+#[inline(never)]
+fn meet_rough(ask: &mut Ask, rough: &Rough, set: &ConvexSet, leaf: &Leaf, passage: &Passage) {
+    let ray = &passage.ray;
+    let line = ray.line(&leaf.leaf_from_cell);
+    if let Some(chord) = set.chord(&line, None).and_then(|it| rough.left(set, &line, it)) {
+        let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
+        let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
+        ask.meet(event(chord.near.t), Some(event(chord.far.t)));
     }
 }
 
 /// Whether a ray that starts on a leaf will not meet it again.
 #[inline(always)]
-pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
+pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, face: Option<u16>) -> bool {
+    let line = || ray.line(&leaf.leaf_from_cell);
     match (leaf.shape, face) {
         (_, Some(Site::THROUGH)) => true,
-        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
-        (LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
+        (LeafShape::Hull(_), Some(face)) => cell.set(leaf).is_some_and(|it| it.is_left_by(face, &line())),
+        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &line()),
+        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
     }
 }
 
 #[inline(always)]
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
-    let convex = match leaf.shape {
-        LeafShape::Convex(convex) if ray.is_tame() => convex,
-        LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => {
+    let lines = || ray.lines(&leaf.leaf_from_cell);
+    let pieces = match (leaf.shape, cell.set(leaf)) {
+        (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
+        (LeafShape::Hull(_), Some(set)) if ray.is_tame() => set.pieces(One::new(), &lines()),
+        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => {
             return meet_primitive(ask, cell, leaf, trail, ray, None);
         }
     };
-    let pieces = convex.pieces(One::new(), &ray.lines(&leaf.leaf_from_cell));
     if pieces.odd.value {
         return meet_primitive(ask, cell, leaf, trail, ray, None);
     }
@@ -481,10 +521,10 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
 /// What a leaf says to the question that is no convex primitive, or whose ray is out of the ordinary.
 #[cold]
 #[inline(never)]
-fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u8>) {
+fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u16>) {
     let line = ray.line(&leaf.leaf_from_cell);
-    let event = |t: f64, face: u8| {
-        let mark = Mark { trail, part: leaf.part, face };
+    let event = |t: f64, face: u16| {
+        let mark = Mark { trail, part: leaf.part, face: leaf.marked(face) };
         Event { t: ray.world(t), mark, flipped: false }
     };
     if leaf.solid {
@@ -501,13 +541,13 @@ fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Loc
             let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
             ask.meet(near, Some(far));
         }
-    } else if let Some(crossing) = cell.primitive(leaf).crossing(&line, from) {
+    } else if let Some(crossing) = cell.with_primitive(leaf, |it| it.crossing(&line, from)) {
         ask.meet(event(crossing.t, crossing.face), None);
     }
 }
 
 /// Where a ray first comes into a relief, or that it does not, if that is all that is asked: it starts outside or on the surface.
-fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option<u8>) -> Option<Option<Crossing>> {
+fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option<u16>) -> Option<Option<Crossing>> {
     if !matches!(ask.question, Question::Nearest | Question::Any) {
         return None;
     }

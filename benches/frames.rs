@@ -1,5 +1,6 @@
 //! Renders one program several times with one tracer, on one thread, and prints what it took as a line of JSON: the processor time
-//! of the first frame, for which cells are expanded, and of the later ones, for which they are there.
+//! of the first frame, for which cells are expanded, and of the later ones, for which they are there. With `--scan` it is drawn
+//! instead, for which everything is prepared before the first frame.
 //!
 //!     cargo bench --bench frames -- benches/scenes/s1.tg --frames 5 --set Sierpinski.order=12
 #![allow(unreachable_pub, reason = "a program has no other users than itself")]
@@ -13,7 +14,9 @@ use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use treegen_compiler::{Compiled, Loaded, NoFiles, Options, Setting, compile, show};
 use treegen_runtime::form::Scene;
-use treegen_runtime::picture::{Picture, RayCounts, RenderOptions, render};
+use treegen_runtime::mesh::StemSurface;
+use treegen_runtime::picture::{Picture, RayCounts, RenderOptions, render, scan};
+use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
 
@@ -36,6 +39,12 @@ struct Arguments {
     /// How many pixels large what recursion is not followed into is; 0, as the peers have it, follows it to its end
     #[arg(long, value_name = "PIXELS", default_value_t = 0.0)]
     detail: f64,
+    /// Draw it by scan conversion
+    #[arg(long)]
+    scan: bool,
+    /// The size of the picture, instead of the program's: pixels a side
+    #[arg(long, value_name = "PIXELS")]
+    side: Option<u32>,
     /// Memory for what is kept between rays, in MB
     #[arg(long, default_value_t = 256)]
     cell_memory: u64,
@@ -84,23 +93,35 @@ fn scene(arguments: &Arguments) -> Result<Scene, Box<dyn Error>> {
 
 fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
     let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..Limits::default() };
-    let (samples, detail) = (Some(arguments.samples), arguments.detail);
-    let options = RenderOptions { samples, detail, ..RenderOptions::default() };
-    let (tracer, prepare_cpu_s) = timed(|| CellTracer::new(scene, &limits, Culling::State));
+    let (samples, detail, size) = (Some(arguments.samples), arguments.detail, arguments.side.map(|it| (it, it)));
+    let options = RenderOptions { samples, detail, size, ..RenderOptions::default() };
+    if arguments.scan {
+        let options = RenderOptions { tile: 64, ..options };
+        let (scanner, prepare) = timed(|| Scanner::new(scene, StemSurface::Cones, &limits, &()));
+        let scanner = scanner?;
+        return frames(arguments.frames, prepare, || scan(scene, &scanner, &limits, &options, &()));
+    }
+    let (tracer, prepare) = timed(|| CellTracer::new(scene, &limits, Culling::State));
     let tracer = tracer?;
-    let (picture, first_cpu_s) = timed(|| render(scene, &tracer, &options, &()));
+    let numbers = frames(arguments.frames, prepare, || render(scene, &tracer, &options, &()))?;
+    let counts = tracer.counts();
+    Ok(Numbers { states: counts.states, cells: counts.cells, cell_bytes: counts.cell_bytes, ..numbers })
+}
+
+/// Makes a picture so often.
+fn frames(frames: u32, prepare_cpu_s: f64, frame: impl Fn() -> Result<Picture, Fault>) -> Result<Numbers, Fault> {
+    let (picture, first_cpu_s) = timed(&frame);
     let picture = picture?;
     let mut later = Vec::new();
-    for _ in 1..arguments.frames {
-        let (again, seconds) = timed(|| render(scene, &tracer, &options, &()));
+    for _ in 1..frames {
+        let (again, seconds) = timed(&frame);
         assert!(again? == picture, "a frame differs from the first");
         later.push(seconds);
     }
     later.sort_by(f64::total_cmp);
     let later_cpu_s = later[later.len() / 2];
-    let counts = tracer.counts();
     Ok(Numbers {
-        frames: arguments.frames,
+        frames,
         camera: picture.rays.camera,
         reflected: picture.rays.reflected,
         shadow: picture.rays.shadow,
@@ -110,9 +131,9 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
         later_cpu_s,
         first_mrays_s_core: rate(&picture, first_cpu_s),
         later_mrays_s_core: rate(&picture, later_cpu_s),
-        states: counts.states,
-        cells: counts.cells,
-        cell_bytes: counts.cell_bytes,
+        states: 0,
+        cells: 0,
+        cell_bytes: 0,
         peak_rss_mb: peak_rss_mb(),
     })
 }

@@ -158,6 +158,9 @@ pub struct Render {
     /// standard output; a mesh as .glb, .obj or .ply [default: FILE's name with .png in the current folder; standard output for `-`]
     #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     output: Option<PathBuf>,
+    /// How the picture is made
+    #[arg(long, value_name = "HOW", default_value = "trace", help_heading = "Picture")]
+    pub renderer: Renderer,
     /// Width and height in pixels, instead of the program's
     #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
     pub size: Option<(u32, u32)>,
@@ -176,7 +179,7 @@ pub struct Render {
     /// How the surface of stems is made
     #[arg(long, value_name = "SURFACE", default_value = "cones", help_heading = "Mesh")]
     pub surface: Surface,
-    /// Triangles that a mesh has at most; where there are more, that is an error and no file is written
+    /// Triangles that a mesh has at most, and primitives that `--renderer scan` draws; more are an error, and no file is written
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_TRIANGLES), default_value_t = Limits::default().triangles)]
     #[arg(help_heading = "Mesh")]
     pub triangles: u64,
@@ -248,6 +251,15 @@ impl Program {
 pub enum Deny {
     /// Any warning
     Warnings,
+}
+
+/// How a picture is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Renderer {
+    /// Rays are traced: everything is seen, recursion ends at the pixel
+    Trace,
+    /// Scan conversion: what ends is drawn into a buffer of depths, with shadow maps
+    Scan,
 }
 
 /// How the surface of stems is made.

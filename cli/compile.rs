@@ -81,9 +81,10 @@ impl Understood {
         self
     }
 
-    /// Tells what a mesh leaves out.
-    pub fn warn_of(&self, left_out: &[LeftOut], console: Console) {
-        let problems: Vec<Problem> = left_out.iter().map(treegen_compiler::problem_of_left_out).collect();
+    /// Tells what has no mesh and is left out, and what to do about it.
+    pub fn warn_of(&self, left_out: &[LeftOut], help: Option<&str>, console: Console) {
+        let mut problems: Vec<Problem> = left_out.iter().map(treegen_compiler::problem_of_left_out).collect();
+        problems.iter_mut().for_each(|it| it.notes.extend(help.map(str::to_owned)));
         if !problems.is_empty() {
             console.warn(&console.words(&problems, &self.sources));
         }

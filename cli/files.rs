@@ -12,7 +12,7 @@ use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
-use treegen_compiler::{LoadError, Loaded, Loader};
+use treegen_compiler::{LoadError, Loaded, LoadedBytes, Loader};
 
 use crate::console::shown;
 use crate::exit::{Exit, Failure};
@@ -30,6 +30,8 @@ pub struct Files {
     main: Main,
     /// What was used, by its path from the root.
     used: RefCell<BTreeMap<PathBuf, String>>,
+    /// The hashes of the pictures that were read, likewise.
+    pictures: RefCell<BTreeMap<PathBuf, [u8; 32]>>,
 }
 
 #[derive(Debug)]
@@ -56,7 +58,7 @@ impl Files {
         let text = text_of(bytes, name)?;
         let root = fs::canonicalize(".").map_err(|error| Failure::files("read", Path::new("."), &error))?;
         let main = Main { name: "<standard input>".to_owned(), path: None, text };
-        Ok(Self { root, prefix: PathBuf::new(), main, used: RefCell::default() })
+        Ok(Self { root, prefix: PathBuf::new(), main, used: RefCell::default(), pictures: RefCell::default() })
     }
 
     fn open_file(path: &Path) -> Result<Self, Failure> {
@@ -70,7 +72,7 @@ impl Files {
         // A program that is a link uses what lies beside the file it stands for.
         let prefix = if fs::canonicalize(here).is_ok_and(|it| it == root) { given.to_path_buf() } else { root.clone() };
         let main = Main { name: shown(path), path: Some(canonical), text };
-        Ok(Self { root, prefix, main, used: RefCell::default() })
+        Ok(Self { root, prefix, main, used: RefCell::default(), pictures: RefCell::default() })
     }
 
     /// The program itself.
@@ -80,8 +82,9 @@ impl Files {
 
     /// The canonical paths of all that was read.
     pub fn paths(&self) -> Vec<PathBuf> {
-        let used = self.used.borrow();
-        self.main.path.iter().cloned().chain(used.keys().map(|it| self.root.join(it))).collect()
+        let (used, pictures) = (self.used.borrow(), self.pictures.borrow());
+        let inside = used.keys().chain(pictures.keys()).map(|it| self.root.join(it));
+        self.main.path.iter().cloned().chain(inside).collect()
     }
 
     /// The canonical path of the file that messages call so.
@@ -94,7 +97,7 @@ impl Files {
     }
 
     /// A hash of all that was read: SHA-256 of the program, then of each used file's path from the root and text, each after a byte
-    /// 0. It does not depend on a byte-order mark, on how lines end, or on blank space at the end; so of a program that uses
+    /// 0; then of each picture's path and its own SHA-256, each after a byte 0. It does not depend on a byte-order mark, on how lines end, or on blank space at the end; so of a program that uses
     /// nothing, and ends with one line end, it is what `sha256sum` prints.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
@@ -104,6 +107,12 @@ impl Files {
             hash.update(slashed(path));
             hash.update([0]);
             hash.update(plain(text));
+        }
+        for (path, picture) in self.pictures.borrow().iter() {
+            hash.update([0]);
+            hash.update(slashed(path));
+            hash.update([0]);
+            hash.update(picture);
         }
         hash.finalize().iter().fold(String::new(), |mut text, byte| {
             let _ = write!(text, "{byte:02x}");
@@ -131,14 +140,18 @@ impl Files {
     }
 
     fn read(&self, inside: &Path) -> Result<String, LoadError> {
+        let bytes = self.read_bytes(inside, MAX_BYTES)?;
+        String::from_utf8(bytes).map_err(|error| LoadError::NotText { at: error.utf8_error().valid_up_to() })
+    }
+
+    fn read_bytes(&self, inside: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
         let path = self.root.join(inside);
         let kind = fs::metadata(&path).map_err(|error| refused(&error))?;
         if !kind.is_file() {
             return Err(LoadError::Refused("it is not a file".to_owned()));
         }
-        let bytes = File::open(&path).and_then(|mut file| read_limited(&mut file)).map_err(|error| refused(&error))?;
-        let Some(bytes) = bytes else { return Err(LoadError::TooLarge) };
-        String::from_utf8(bytes).map_err(|error| LoadError::NotText { at: error.utf8_error().valid_up_to() })
+        let bytes = File::open(&path).and_then(|mut file| read_at_most(&mut file, most));
+        bytes.map_err(|error| refused(&error))?.ok_or(LoadError::TooLarge)
     }
 }
 
@@ -155,6 +168,14 @@ impl Loader for Files {
         let text = self.read(&inside)?;
         self.used.borrow_mut().insert(inside, text.clone());
         Ok(Loaded { name, text })
+    }
+
+    fn load_bytes(&self, importer: &str, path: &str, most: u64) -> Result<LoadedBytes, LoadError> {
+        let inside = self.locate(importer, path)?;
+        let bytes = self.read_bytes(&inside, most)?;
+        let name = self.name_of(&inside);
+        self.pictures.borrow_mut().insert(inside, Sha256::digest(&bytes).into());
+        Ok(LoadedBytes { name, bytes })
     }
 }
 
@@ -174,9 +195,14 @@ fn resolve(folder: &Path, path: &Path) -> Result<PathBuf, LoadError> {
 
 /// All bytes; none when there are more than a source text may have.
 fn read_limited(from: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
+    read_at_most(from, MAX_BYTES)
+}
+
+/// All bytes; none when there are more than so many.
+fn read_at_most(from: &mut impl Read, most: u64) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
-    from.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    Ok((bytes.len() as u64 <= MAX_BYTES).then_some(bytes))
+    from.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
 }
 
 fn text_of(bytes: Option<Vec<u8>>, path: &Path) -> Result<String, Failure> {

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use treegen_compiler::value_in_words;
 use treegen_runtime::Limits;
 use treegen_runtime::derive::{Applied, Deriver, Recorder};
-use treegen_runtime::form::{SegmentList, Shape, Slot, Value};
+use treegen_runtime::form::{Shape, Slot, Value};
 use treegen_runtime::trace::Derivable;
 
 use crate::compile::Understood;
@@ -25,10 +25,17 @@ const MOST_INDENT: usize = 40;
 pub fn text(understood: &Understood, found: &Derivable, limits: &Limits, console: Console) -> Result<Vec<u8>, Failure> {
     let scene = &understood.scene;
     let mut recorder = Recorder::default();
-    let derived = Deriver::new(&scene.graph, scene.seed, limits).derive(found.shape, &found.env, &mut recorder);
-    let list = derived.map_err(|fault| understood.failure(&fault, console))?;
     let shape = scene.graph.shape(found.shape);
-    let text = Telling { understood, shape, recorder: &recorder, lines: String::new() }.tell(&list);
+    let mut deriver = Deriver::new(&scene.graph, scene.seed, limits);
+    let left = if shape.splitting.is_some() {
+        let normals = deriver.normals(found.shape, &found.env, &mut recorder);
+        normals.map(|it| count(it.len() as u64, "plane"))
+    } else {
+        let list = deriver.derive(found.shape, &found.env, &mut recorder);
+        list.map(|it| format!("{} in {}", count(it.len() as u64, "segment"), count(it.stems().len() as u64, "stem")))
+    };
+    let left = left.map_err(|fault| understood.failure(&fault, console))?;
+    let text = Telling { understood, shape, recorder: &recorder, lines: String::new() }.tell(left);
     Ok(text.into_bytes())
 }
 
@@ -41,8 +48,8 @@ struct Telling<'a> {
 }
 
 impl Telling<'_> {
-    fn tell(mut self, list: &SegmentList) -> String {
-        self.head(list);
+    fn tell(mut self, left: String) -> String {
+        self.head(left);
         let steps = &self.recorder.steps;
         // By module: one that was appended to has several steps.
         let mut by_module: Vec<(u32, usize)> =
@@ -64,17 +71,15 @@ impl Telling<'_> {
         self.lines
     }
 
-    fn head(&mut self, list: &SegmentList) {
+    /// What the derivation left, and how it came to that.
+    fn head(&mut self, left: String) {
         let Recorder { steps, left_out } = self.recorder;
         let graph = &self.understood.scene.graph;
         let rules = (steps.len() as u64).saturating_sub(1) + left_out;
         let stopped = graph.stops_after().is_some_and(|it| rules >= it);
         let solids: u64 = steps.iter().map(|it| u64::from(it.step.solids)).sum();
         let system = &graph.system(self.shape.system).name;
-        let mut parts = vec![
-            format!("{} in {}", count(list.len() as u64, "segment"), count(list.stems().len() as u64, "stem")),
-            format!("{}{}", if stopped { "stopped after " } else { "" }, count(rules, "rule")),
-        ];
+        let mut parts = vec![left, format!("{}{}", if stopped { "stopped after " } else { "" }, count(rules, "rule"))];
         if solids > 0 && *left_out == 0 {
             parts.insert(1, count(solids, "solid"));
         }
@@ -87,7 +92,8 @@ impl Telling<'_> {
             None => ("start".to_owned(), "->"),
             Some((module, rule)) => self.rule(module, rule, &applied.values),
         };
-        self.push(&format!("{at:>6}  {indent}{head} {arrow} {}", laid(applied)));
+        let what = if self.shape.splitting.is_some() { "normal" } else { "segment" };
+        self.push(&format!("{at:>6}  {indent}{head} {arrow} {}", laid(applied, what)));
     }
 
     /// A module with its values, after the rule's label; and the rule's arrow.
@@ -123,11 +129,11 @@ impl Telling<'_> {
     }
 }
 
-/// What a rule laid.
-fn laid(applied: &Applied) -> String {
+/// What a rule laid; `what` is the word for what does not become anything else.
+fn laid(applied: &Applied, what: &str) -> String {
     let step = &applied.step;
     let modules = step.laid.end - step.laid.start;
-    let parts = [(step.segments, "segment"), (step.solids, "solid"), (modules, "module")];
+    let parts = [(step.segments, what), (step.solids, "solid"), (modules, "module")];
     let parts: Vec<String> =
         parts.iter().filter(|it| it.0 > 0).map(|(number, what)| count(u64::from(*number), what)).collect();
     if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") }

@@ -11,7 +11,7 @@ use treegen_runtime::mesh::{self, Mesh};
 use treegen_runtime::picture::{RenderOptions, Watch};
 use treegen_runtime::{Fault, FaultKind, Limits};
 
-use crate::arguments::Render;
+use crate::arguments::{Render, Renderer};
 use crate::compile::{Understood, compile};
 use crate::console::{Console, shown};
 use crate::exit::Failure;
@@ -82,6 +82,7 @@ pub fn export(arguments: Render, format: Format, console: Console) -> Result<(),
 /// What is only for pictures would be passed over without a word.
 fn refuse_picture(arguments: &Render) -> Result<(), Failure> {
     let given = [
+        ("renderer", arguments.renderer != Renderer::Trace),
         ("size", arguments.size.is_some()),
         ("crop", arguments.crop.is_some()),
         ("samples", arguments.samples.is_some()),
@@ -134,7 +135,7 @@ fn make(
     outputs.refuse_sources(&understood.files.paths())?;
     let fail = |fault: Fault| understood.failure(&fault, console);
     let mesh = mesh::mesh(&understood.scene, arguments.surface.into(), &limits, progress).map_err(fail)?;
-    understood.warn_of(&mesh.left_out, console);
+    understood.warn_of(&mesh.left_out, None, console);
     if mesh.triangles() == 0 {
         return Err(fail(Fault::new(FaultKind::NoMesh, Origin::NONE)));
     }

@@ -6,14 +6,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::ThreadPoolBuilder;
-use treegen_runtime::form::Scene;
+use treegen_runtime::form::{Origin, Scene};
 use treegen_runtime::picture::{self, Picture, Rect, RenderOptions, Watch};
+use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::Tracer;
 use treegen_runtime::trace::cells::{CellTracer, Counts};
 use treegen_runtime::trace::reference::Reference;
-use treegen_runtime::{Fault, Limits};
+use treegen_runtime::{Fault, FaultKind, Limits};
 
-use crate::arguments::Render;
+use crate::arguments::{Render, Renderer};
 use crate::compile::{Understood, compile};
 use crate::console::{Console, shown};
 use crate::exit::{Exit, Failure};
@@ -21,6 +22,9 @@ use crate::output::{Place, Sink, Staged};
 use crate::progress::Bar;
 use crate::stats::{CpuSeconds, Seconds, Stats, cpu_seconds, peak_rss_bytes};
 use crate::supervise::{Progress, STACK_BYTES, no_thread, supervise};
+
+/// Pixels a side of a tile that is drawn: what it shows is looked for once for all of them.
+const SCANNED: u32 = 64;
 
 /// How a picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +54,7 @@ struct Made {
 /// Why there is no new picture.
 pub fn render(arguments: Render, console: Console) -> Result<(), Failure> {
     let start = Instant::now();
+    refuse_traced(&arguments)?;
     let progress = Progress::listen()?;
     let output = arguments.output();
     let outputs = Outputs::find(&output, arguments.stats.as_deref())?;
@@ -71,6 +76,21 @@ pub fn render(arguments: Render, console: Console) -> Result<(), Failure> {
         console.tell(&format!("{}: {} x {} pixels in {seconds:.2} s{white}", shown(&output), size.0, size.1));
     }
     Ok(())
+}
+
+/// What is only for rays would be passed over without a word.
+fn refuse_traced(arguments: &Render) -> Result<(), Failure> {
+    let given = [
+        ("heatmap", arguments.heatmap),
+        ("detail", arguments.detail != RenderOptions::default().detail),
+        ("reference", arguments.reference),
+    ];
+    match given.iter().find(|it| it.1) {
+        Some((name, _)) if arguments.renderer == Renderer::Scan => {
+            Err(Failure::usage(format!("`--{name}` is for traced pictures, and this one is drawn")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Gives what is written its name; what goes to a pipe may wait for its reader, and is watched meanwhile.
@@ -136,22 +156,51 @@ fn write_stats(stats: &Stats, out: &mut dyn Sink) -> io::Result<()> {
 /// Everything from reading the program to the last pixel.
 fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Console) -> Result<Made, Failure> {
     let start = Instant::now();
-    let limits = Limits { cell_bytes: arguments.cell_memory << 20, ..arguments.program.limits() };
+    let limits = Limits {
+        cell_bytes: arguments.cell_memory << 20,
+        triangles: arguments.triangles,
+        ..arguments.program.limits()
+    };
     let program = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;
     let compiled = start.elapsed().as_secs_f64();
 
+    let start = Instant::now();
+    let scanner = (arguments.renderer == Renderer::Scan)
+        .then(|| scanner(arguments, &program, &limits, progress, console))
+        .transpose()?;
     // rayon takes 0 for as many as there are processors.
     let pool = ThreadPoolBuilder::new().num_threads(arguments.threads.unwrap_or(0) as usize).stack_size(STACK_BYTES);
     let pool = pool.build().map_err(|error| no_thread(&error))?;
-    let traced = pool.install(|| trace(arguments, &program.scene, &limits, &options, progress));
+    let scene = &program.scene;
+    let traced = pool.install(|| match &scanner {
+        None => trace(arguments, scene, &limits, &options, progress),
+        Some(scanner) => timed(start, || picture::scan(scene, scanner, &limits, &options, progress)),
+    });
     let traced = traced.map_err(|fault| program.failure(&fault, console))?;
     Ok(Made {
         text: text(arguments, &program, &traced.picture),
         stats: traced.stats(compiled),
         picture: traced.picture,
     })
+}
+
+/// Makes a scanner of a program, and tells what it leaves out.
+fn scanner(
+    arguments: &Render,
+    program: &Understood,
+    limits: &Limits,
+    progress: &Progress,
+    console: Console,
+) -> Result<Scanner, Failure> {
+    let fail = |fault: Fault| program.failure(&fault, console);
+    let scanner = Scanner::new(&program.scene, arguments.surface.into(), limits, progress).map_err(fail)?;
+    program.warn_of(scanner.left_out(), Some("`--renderer trace` shows it"), console);
+    if scanner.primitives() == 0 && !scanner.left_out().is_empty() {
+        return Err(fail(Fault::new(FaultKind::NoMesh, Origin::NONE)));
+    }
+    Ok(scanner)
 }
 
 /// A picture, and what it took.
@@ -186,10 +235,15 @@ fn look(
     start: Instant,
     progress: &Progress,
 ) -> Result<Traced, Fault> {
+    timed(start, || picture::render(scene, tracer, options, progress))
+}
+
+/// Makes a picture, for which all that is prepared was begun at `start`.
+fn timed(start: Instant, make: impl FnOnce() -> Result<Picture, Fault>) -> Result<Traced, Fault> {
     let prepare = start.elapsed().as_secs_f64();
     let cpu = cpu_seconds();
     let start = Instant::now();
-    let picture = picture::render(scene, tracer, options, progress)?;
+    let picture = make()?;
     let render = start.elapsed().as_secs_f64();
     let cpu = cpu.zip(cpu_seconds()).map(|(before, after)| after - before);
     Ok(Traced { picture, prepare, render, cpu, counts: None })
@@ -225,7 +279,7 @@ fn options(arguments: &Render, program: &Understood, format: Format) -> Result<R
         crop: arguments.crop,
         samples: arguments.samples,
         layers: format == Format::Exr,
-        tile: arguments.tile.unwrap_or(defaults.tile),
+        tile: arguments.tile.unwrap_or(if arguments.renderer == Renderer::Scan { SCANNED } else { defaults.tile }),
         detail: arguments.detail,
         heatmap: arguments.heatmap,
     })
@@ -247,6 +301,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
     ];
     if let Some(most) = picture.most_work {
         text.push(("Heatmap".to_owned(), format!("white is {most} cells a ray")));
+    }
+    if arguments.renderer == Renderer::Scan {
+        text.push(("Renderer".to_owned(), "scan".to_owned()));
     }
     if arguments.detail != RenderOptions::default().detail {
         text.push(("Detail".to_owned(), arguments.detail.to_string()));

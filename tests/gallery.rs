@@ -14,16 +14,19 @@ use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
 
 /// Smaller forms, for the reference walker goes through every copy on every ray.
-const SETTINGS: [(&str, &str, &str); 18] = [
+const SETTINGS: [(&str, &str, &str); 21] = [
     ("autumn", "Litter.leaves", "60"),
     ("autumn", "Tree.age", "3"),
     ("carpenter", "Carpenter.order", "3"),
     ("conifer", "Conifer.order", "1"),
     ("conifer", "Conifer.rings", "4"),
+    ("crown", "generations", "2"),
     ("flower", "Flower.florets", "40"),
     ("flower", "Flower.petals", "9"),
+    ("grove", "trees", "5"),
     ("landsberg", "order", "4"),
     ("menger", "Menger.order", "2"),
+    ("oasis", "palms.Palm.fronds", "4"),
     ("palm_csg", "Palm.leaflets", "6"),
     ("palm_csg", "Palm.rings", "5"),
     ("palm_csg", "Palm.twigs", "4"),

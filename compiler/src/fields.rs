@@ -9,6 +9,8 @@ pub(crate) enum FieldType {
     Positive,
     /// A whole number within a range.
     Whole(f64, f64),
+    /// A power of two up to this one.
+    PowerOfTwo(f64),
     /// A vector of so many finite numbers.
     Vector(u8),
     /// Three numbers that are more than 0.
@@ -60,8 +62,8 @@ const fn later(name: &'static str, kind: FieldType) -> FieldRule {
 }
 
 use FieldType::{
-    Color, Colors, Density, Factors, Number, Numbers, Positive, Region, Size, Spread, Surface, Text, Texture, Truth,
-    Vector, Whole, Words,
+    Color, Colors, Density, Factors, Number, Numbers, Positive, PowerOfTwo, Region, Size, Spread, Surface, Text,
+    Texture, Truth, Vector, Whole, Words,
 };
 
 const ANY: FieldType = Number(f64::NEG_INFINITY, f64::INFINITY);
@@ -78,23 +80,23 @@ pub(crate) const MATERIAL: &[FieldRule] = &[
     field("softness", SHARE),
     later("limb", SHARE),
     field("bump", Texture),
-    later("relief", Texture),
+    field("relief", Texture),
     field("depth", NOT_NEGATIVE),
-    later("roughen", NOT_NEGATIVE),
+    field("roughen", NOT_NEGATIVE),
     field("gloss", SHARE),
     field("mirror", SHARE),
-    later("translucent", SHARE),
+    field("translucent", SHARE),
 ];
 
 /// The kinds of texture.
 pub(crate) const TEXTURE_KINDS: &[&str] = &["fourier", "fbm", "chunks", "elevation", "image"];
 
 /// Those that have no effect yet.
-pub(crate) const LATER_TEXTURE_KINDS: &[&str] = &["chunks", "elevation", "image"];
+pub(crate) const LATER_TEXTURE_KINDS: &[&str] = &["elevation"];
 
 const TEXTURE: [FieldRule; 5] = [
     field("kind", Words(TEXTURE_KINDS)),
-    field("space", Words(&["object", "world"])),
+    field("space", Words(&["object", "stem", "world"])),
     field("seed", ANY),
     field("stretch", Factors),
     field("offset", Vector(3)),
@@ -131,7 +133,7 @@ const CHUNKS: &[FieldRule] = &[
     TEXTURE[2],
     TEXTURE[3],
     TEXTURE[4],
-    field("cube", Whole(1.0, 256.0)),
+    field("cube", PowerOfTwo(256.0)),
     field("size", Positive),
     field("count", Whole(0.0, 1e6)),
     field("chunk", Size),

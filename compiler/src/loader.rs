@@ -9,6 +9,24 @@ pub trait Loader {
     /// # Errors
     /// Why there is none.
     fn load(&self, importer: &str, path: &str) -> Result<Loaded, LoadError>;
+
+    /// The bytes of the file that `path` names in the file called `importer`, with so many at most. A loader that knows texts only
+    /// finds none.
+    ///
+    /// # Errors
+    /// Why there is none.
+    fn load_bytes(&self, _importer: &str, _path: &str, _most: u64) -> Result<LoadedBytes, LoadError> {
+        Err(LoadError::NotFound)
+    }
+}
+
+/// A file that is no text.
+#[derive(Clone, Debug)]
+pub struct LoadedBytes {
+    /// Its name, as [`Loaded::name`].
+    pub name: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
 }
 
 /// A file that was read.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use treegen_grammar::Span;
 use treegen_grammar::ast::{BinaryOp, CutOp, SystemKind, UnaryOp};
-use treegen_runtime::form::{Builtin, Draw, PrimitiveKind, TransformKind};
+use treegen_runtime::form::{Builtin, Draw, Order, PrimitiveKind, TransformKind};
 
 use crate::builtin::WalkWord;
 use crate::vocabulary::Vocabulary;
@@ -203,8 +203,21 @@ pub(crate) struct System {
     pub(crate) lets: Vec<Init>,
     pub(crate) vars: Vec<Init>,
     pub(crate) start: Option<Solid>,
-    /// Expressions of the walks' own members, which are checked and not lowered yet.
-    pub(crate) numbers: Vec<Expr>,
+    /// How normals split, where `derive` or `prune` says so.
+    pub(crate) splitting: Splitting,
+}
+
+/// How the normals of a hull split: `derive` and `prune`.
+#[derive(Debug)]
+pub(crate) struct Splitting {
+    pub(crate) order: Order,
+    /// How often; once if it does not say.
+    pub(crate) count: Option<Expr>,
+    pub(crate) outward: bool,
+    /// The place of the order's own draws.
+    pub(crate) place: u64,
+    /// Where that stands.
+    pub(crate) span: Span,
 }
 
 /// Names a slot of a system while it is checked.

@@ -112,6 +112,16 @@ pub enum FaultKind {
         /// Its length, its radius at the start and at the end.
         values: Vec<f64>,
     },
+    /// A normal whose length is negative or infinite.
+    Normal {
+        /// Its length; none for a module that is left and has none.
+        length: Option<f64>,
+    },
+    /// A hull that has no end and is not cut by another solid.
+    OpenHull {
+        /// A direction in which it goes on; none if it has no plane at all.
+        direction: Option<[f64; 3]>,
+    },
     /// `toward` with a direction that is none, or an angle that is negative.
     Toward {
         /// The direction's three numbers and the angle.
@@ -164,6 +174,8 @@ pub enum Limit {
     Modules,
     /// Segments of one derivation.
     Segments,
+    /// Planes of one hull.
+    Planes,
     /// Strides of one derivation's walks, and the operations of their expressions.
     Strides,
     /// Steps of one ray through the scene.
@@ -174,6 +186,8 @@ pub enum Limit {
     Primitives,
     /// Triangles of a mesh.
     Triangles,
+    /// Cells of all solid textures.
+    Cells,
     /// Pixels of a picture.
     Pixels,
     /// Samples of a pixel.

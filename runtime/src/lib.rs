@@ -19,6 +19,7 @@ mod limits;
 pub mod mesh;
 pub mod picture;
 mod quick_hash;
+pub mod scan;
 pub mod texture;
 pub mod trace;
 

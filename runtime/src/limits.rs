@@ -21,6 +21,8 @@ pub struct Limits {
     pub modules: u32,
     /// Segments of one derivation.
     pub segments: u32,
+    /// Planes of one hull, and at the same time modules that stand for planes.
+    pub planes: u32,
     /// Strides of one derivation's walks, and the operations of their expressions.
     pub strides: u64,
     /// Boxes and primitives that one ray may meet.
@@ -49,6 +51,7 @@ impl Default for Limits {
             rules: 4_000_000,
             modules: 1_000_000,
             segments: 4_000_000,
+            planes: 16_384,
             strides: 100_000_000,
             steps: 100_000_000,
             intervals: 4096,

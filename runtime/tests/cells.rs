@@ -418,3 +418,14 @@ fn a_sierpinski_tetrahedron_has_few_cells_at_any_order() {
     assert!(counts.cells <= 15, "{counts:?}");
     assert!(counts.cell_bytes < 1_000_000, "{counts:?}");
 }
+
+#[test]
+fn a_recursion_without_an_end_has_bounds_that_few_states_are_looked_at_for() {
+    let scene = common::sierpinski(f64::INFINITY);
+    let tracer = tracer(&scene, &Limits::default(), Culling::State);
+    let bounds = tracer.finite_bounds().expect("it shrinks");
+    for axis in 0..3 {
+        assert!((-1.001..=-1.0).contains(&bounds.min[axis]) && (1.0..1.001).contains(&bounds.max[axis]), "{bounds:?}");
+    }
+    assert!(tracer.counts().states <= 3, "{:?}", tracer.counts());
+}

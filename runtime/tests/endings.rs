@@ -230,3 +230,44 @@ fn the_solid_that_a_program_gives_stands_where_recursion_ends() {
     assert!(all.iter().flatten().count() > 300);
     assert!(by(Culling::State) == all && by(Culling::Hyper) == all);
 }
+
+/// A square of 4^12 cubes side by side.
+fn carpet() -> Scene {
+    let mut b = Builder::default();
+    let stop = b.primitive(PrimitiveKind::Box, &[]);
+    let call = b.call(0, common::slot_and(Slot(0), BinaryOp::Subtract, 1.0));
+    let small = b.transform(TransformKind::UScale, &[0.5], call);
+    let parts = [[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]]
+        .map(|[x, y]| b.transform(TransformKind::Move, &[x, y, 0.0], small));
+    let go = b.union(&parts);
+    b.module(stop, go);
+    let start = b.call(0, common::numbers(&[12.0]));
+    b.scene(start)
+}
+
+#[test]
+fn no_beam_meets_what_it_starts_on_however_wide_it_is() {
+    // Whether a beam goes through the coarse cell of a state depends on its width: one that starts in such a cell has to
+    // go there again.
+    let scene = carpet();
+    let tracer = tracer(&scene, &Limits::default(), Culling::State);
+    let towards = DVec3::new(0.0, 0.0, -1.0);
+    for width in [0.3, 0.11, 0.04, 0.015, 0.006] {
+        let (beams, _) = square(towards, 24, 0.98, width);
+        let seen = look(&tracer, &beams);
+        let starts = || seen.iter().flatten();
+        assert!(starts().count() >= beams.len(), "{width}");
+        for factor in [0.95, 1.0, 1.05, 1.7, 3.0] {
+            let beam = |it: &Fragment| Beam {
+                ray: Ray { origin: it.position, direction: -towards },
+                width: width * factor,
+                spread: 0.0,
+            };
+            let beams: Vec<SurfaceBeam> =
+                starts().map(|it| SurfaceBeam { beam: beam(it), from: it.site.clone() }).collect();
+            let mut light = Vec::new();
+            tracer.light(&beams, &mut light).expect("no fault");
+            assert!(light.iter().all(|it| *it == 1.0), "{width} {factor}: {light:?}");
+        }
+    }
+}

@@ -105,14 +105,14 @@ fn pieces(list: &SegmentList) -> (Vec<Piece>, Vec<Joint>) {
         let is_ball = part.primitive.kind() == PrimitiveKind::Sphere;
         let is_outside = if is_ball { [true; 2] } else { [is_outside(number), is_outside(number + 1)] };
         number += usize::from(!is_ball);
-        pieces.push(Piece { part, part_from_stem: part.stem_from_part.inverse(), is_outside });
+        pieces.push(Piece { part_from_stem: part.stem_from_part.inverse(), part, is_outside });
     });
     (pieces, joints.joints().to_vec())
 }
 
 /// The pieces of a line inside a stem: each end with the piece and the face.
-fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u8)> {
-    let lists: Vec<Intervals<(usize, u8)>> = pieces
+fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u16)> {
+    let lists: Vec<Intervals<(usize, u16)>> = pieces
         .iter()
         .enumerate()
         .map(|(number, piece)| {
@@ -124,7 +124,7 @@ fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u8)> {
 }
 
 /// Whether a face that was met may be seen.
-fn is_visible(pieces: &[Piece], (piece, face): (usize, u8)) -> bool {
+fn is_visible(pieces: &[Piece], (piece, face): (usize, u16)) -> bool {
     face == 0 || pieces[piece].is_outside[usize::from(face) - 1]
 }
 
@@ -340,6 +340,51 @@ fn texture_coordinates_run_on_along_a_stem() {
                 // Tapers differ, so the angle around is a little different; it does not turn.
                 let turn = (before[0] - after[0]).abs();
                 assert!(turn.min(1.0 - turn) < 0.05, "{before:?} {after:?} of {radius}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rind_runs_on_across_joints_and_grows_as_its_matrix_says() {
+    let mut numbers = Numbers(8);
+    for _ in 0..40 {
+        let list = bent_stem(&mut numbers, 25.0, 0.0);
+        let (pieces, joints) = pieces(&list);
+        let own: Vec<&Piece> = pieces.iter().filter(|it| it.part.rind.is_some()).collect();
+        let widest = list.segments(&list.stems()[0]).flat_map(|it| it.radii).fold(0.0, f64::max);
+        let at = |piece: &Piece, p: DVec3| piece.part.rind.unwrap().at(piece.part_from_stem.transform_point3(p));
+        for (joint, pair) in own.windows(2).enumerate() {
+            let Joint::Cut { normal, offset } = joints[joint + 1] else { continue };
+            if pair[0].is_outside[1] {
+                continue;
+            }
+            let segment = list.segments(&list.stems()[0]).nth(joint + 1).unwrap();
+            for _ in 0..30 {
+                let direction = normal.cross(numbers.direction()).normalize();
+                let ray = Ray { origin: segment.start + normal * offset, direction };
+                let chords = pair[1].part.primitive.chords(&ray.mapped(&pair[1].part_from_stem), None);
+                let rim = ray.at(chords[0].far.t);
+                let (before, after) = (at(pair[0], rim), at(pair[1], rim));
+                assert!((before.truncate().length() - widest).abs() < 1e-9 * widest);
+                assert!((before.z - after.z).abs() < 1e-7 * widest, "{before} {after}");
+                // Tapers differ, so the angle around is a little different; it does not turn.
+                assert!((before - after).length() < 0.3 * widest, "{before} {after}");
+            }
+        }
+        for piece in &own {
+            let rind = piece.part.rind.unwrap();
+            let ray = Ray { origin: DVec3::new(3.0, 0.4, 0.5), direction: DVec3::new(-1.0, 0.0, 0.01) };
+            let Some(chord) = piece.part.primitive.chords(&ray, None).first().copied() else { continue };
+            let point = ray.at(chord.near.t);
+            let around = DVec3::Z.cross(point).normalize();
+            for direction in [around, DVec3::Z] {
+                let step = 1e-6;
+                let grown = (rind.at(point + direction * step) - rind.at(point - direction * step)) / (2.0 * step);
+                let told = rind.from_segment(point) * direction;
+                // Cuts that lean make what goes along the stem depend on what goes round it; the matrix leaves that out.
+                let off = if direction == DVec3::Z { grown - told } else { (grown - told).with_z(0.0) };
+                assert!(off.length() < 1e-5 * grown.length(), "{grown} {told}");
             }
         }
     }

@@ -1,8 +1,12 @@
 //! Textures against their closed forms: slopes, means, dimensions, and what a wide footprint leaves of them.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::sync::Arc;
+
 use glam::DVec3;
-use treegen_runtime::form::{Fbm, Fourier, Pattern, Texture};
-use treegen_runtime::texture::{Field, Footprint, Tone};
+use treegen_runtime::form::{Fbm, Fourier, Image, Pattern, Raster, Texture};
+use treegen_runtime::texture::{Field, Footprint, Laid, Tone};
 
 fn fourier(numbers: Fourier) -> Texture {
     Texture::new(Pattern::Fourier(numbers))
@@ -131,6 +135,24 @@ fn noise_has_the_dimension_that_is_asked_for() {
     }
 }
 
+/// What is lost when a beam becomes twice as wide is one size of noise, and its variance falls with the size to twice the Hurst exponent.
+#[test]
+fn the_variance_of_noise_falls_with_scale_as_its_dimension_says() {
+    for dimension in [2.2, 2.3, 2.5, 2.8, 2.9] {
+        let field = Field::new(&fbm(Fbm { dimension, octaves: 16, frequency: 1.0, lacunarity: 2.0 }), 8);
+        let band = |width: f64| {
+            let seen = |point, width| field.at(point, &from_above(width)).value;
+            let differences = points(40_000).map(|it| seen(it, width) - seen(it, 2.0 * width));
+            differences.map(|it| it * it).sum::<f64>()
+        };
+        // Between the largest octave and the smallest.
+        let steps = [4, 5, 6, 7, 8, 9, 10].map(|it| libm::log2(band(libm::exp2(-f64::from(it)))));
+        let exponent = (steps[0] - steps[6]) / 6.0;
+        let expected = 2.0 * (3.0 - dimension);
+        assert!((exponent / expected - 1.0).abs() < 0.05, "{dimension}: {exponent} for {expected}");
+    }
+}
+
 #[test]
 fn what_is_finer_than_a_beam_leaves_its_mean() {
     for texture in textures() {
@@ -224,5 +246,61 @@ fn no_place_and_no_number_makes_a_tone_that_is_none() {
                 }
             }
         }
+    }
+}
+
+/// Tiles of 2 metres: dark to the left and below, light to the right and above.
+fn tiles() -> Texture {
+    let texel = |x: u32, y: u32| [(x * 8000) as u16, (y * 4000) as u16, 500, (x * 4000 + (7 - y) * 4000) as u16];
+    let texels = (0..8).flat_map(|y| (0..8).map(move |x| texel(x, y))).collect();
+    Texture::new(Pattern::Image(Image { raster: Arc::new(Raster::new(8, 8, texels).unwrap()), size: 2.0 }))
+}
+
+#[test]
+fn tiles_repeat_over_the_plane_and_are_the_same_at_all_heights() {
+    let field = Field::new(&tiles(), 0);
+    for point in points(300) {
+        let Tone { value, slope } = at(&field, point);
+        for other in [DVec3::new(2.0, 0.0, 0.0), DVec3::new(-4.0, 6.0, 3.7)] {
+            let tone = at(&field, point + other);
+            assert!((tone.value - value).abs() < 1e-9 && (tone.slope - slope).length() < 1e-9, "{point}");
+        }
+        assert_eq!(slope.z, 0.0);
+    }
+    // Inside a tile it rises evenly: 4000 a texel of a quarter of a metre.
+    let Tone { slope, .. } = at(&field, DVec3::new(1.0, 1.0, 0.0));
+    assert!((slope - DVec3::new(1.0, 1.0, 0.0) * (4.0 * 4000.0 / 65535.0)).length() < 1e-9, "{slope}");
+}
+
+#[test]
+fn round_a_stem_goes_a_whole_number_of_tiles_without_a_seam() {
+    for (radius, count) in [(0.1, 1.0), (0.5, 2.0), (1.0, 3.0), (2.0, 6.0)] {
+        let field = Field::new(&tiles(), 0);
+        let on = |turn: f64, z: f64| {
+            let (sine, cosine) = libm::sincos(turn * std::f64::consts::TAU);
+            let point = DVec3::new(cosine * radius, sine * radius, z);
+            (field.at_laid(Laid::Round, point, &Footprint::POINT), DVec3::new(-sine, cosine, 0.0))
+        };
+        for step in 0..200 {
+            let turn = f64::from(step) * 0.0153;
+            let (tone, around) = on(turn, 0.3);
+            let (next, _) = on(turn + 1.0 / count, 2.3);
+            assert!((tone.value - next.value).abs() < 1e-9, "{radius} {turn}");
+            assert!(tone.slope.dot(around).abs() + tone.slope.z.abs() > 0.0);
+        }
+        let (before, after) = (on(0.5 - 1e-12, 0.3).0.value, on(0.5 + 1e-12, 0.3).0.value);
+        assert!((before - after).abs() < 1e-6, "{radius}: {before} {after}");
+    }
+}
+
+#[test]
+fn from_far_away_an_image_is_its_mean_and_does_not_flicker() {
+    let field = Field::new(&tiles(), 0);
+    let mean = DVec3::new(28_000.0, 14_000.0, 500.0) / 65535.0;
+    for point in points(200) {
+        let far = from_above(40.0);
+        assert!((field.color(Laid::Flat, point, &far) - mean).length() < 1e-4);
+        let tone = field.at(point, &far);
+        assert!((tone.value - field.mean()).abs() < 1e-4 && tone.slope.length() < 1e-4);
     }
 }

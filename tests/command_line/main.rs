@@ -15,5 +15,7 @@ mod limits;
 mod measure;
 mod mesh;
 mod output;
+mod pictures;
 mod same_bytes;
+mod scan;
 mod support;

@@ -8,6 +8,7 @@ mod draws;
 mod endings;
 mod order;
 mod places;
+mod reliefs;
 mod seen;
 mod stems;
 mod support;

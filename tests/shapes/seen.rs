@@ -136,3 +136,38 @@ fn more_plants_than_are_bounded_together_have_a_box_all_the_same() {
         assert!(bounds.min.z.abs() < 0.1 && (1.0..2.1).contains(&bounds.max.z), "{bounds:?}");
     }
 }
+
+#[test]
+fn light_goes_through_the_whole_of_a_stem() {
+    let limits = Limits::default();
+    let scene = scene(
+        "shape Leaf { start repeat 9 as i { rotx(-3) segment(.25, .1, .1) }; }
+         scene { show Leaf() | move(1, 0, 0) repeat 2 as i { move(0, .5 * i, 0) Leaf() }; }",
+    );
+    for tracer in
+        [&Reference::new(&scene, &limits) as &dyn Tracer, &CellTracer::new(&scene, &limits, Culling::State).unwrap()]
+    {
+        let met: Vec<Fragment> = look(tracer).into_iter().flatten().collect();
+        let light = |through: bool| {
+            let beam = |it: &Fragment| {
+                let from = if through { it.site.clone().through() } else { it.site.clone() };
+                // Slanting, so that it goes from one segment into the next.
+                let direction = DVec3::new(0.0, 1.0, 0.3);
+                SurfaceBeam { beam: Beam::thin(Ray { origin: it.position, direction }), from }
+            };
+            let mut light = Vec::new();
+            tracer.light(&met.iter().map(beam).collect::<Vec<_>>(), &mut light).expect("no fault");
+            light
+        };
+        let (through, around) = (light(true), light(false));
+        let alone = |it: &Fragment| it.position.x < 0.5;
+        let lit = |light: &[f64], wanted: bool| {
+            met.iter().zip(light).filter(|(it, light)| alone(it) == wanted && **light == 1.0).count()
+        };
+        let count = met.iter().filter(|it| alone(it)).count();
+        assert!(count > 50 && lit(&through, true) == count, "{} of {count}", lit(&through, true));
+        assert!(lit(&around, true) * 4 < count);
+        // The leaf behind is another one, and throws its shadow.
+        assert!(lit(&through, false) * 2 < met.len() - count);
+    }
+}

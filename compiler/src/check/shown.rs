@@ -1,6 +1,5 @@
 //! What a program shows, and what of that cannot be drawn yet.
 
-use treegen_grammar::ast::SystemKind;
 use treegen_grammar::{FileId, Span};
 
 use crate::fields;
@@ -71,10 +70,6 @@ fn head(span: Span) -> Span {
 /// Says of a system that is shown what in it cannot be drawn yet.
 fn system(program: &Program, id: SystemId, modules: &[&Module], problems: &mut Vec<Problem>) {
     let system = &program.systems[id.index()];
-    if system.kind == SystemKind::Hull {
-        problems.push(words::systems::not_yet("`hull` systems are", system.name_span));
-        return;
-    }
     let mut found = Vec::new();
     let scene = program.scene.iter().filter(|it| it.system == id).flat_map(|it| &it.shows);
     let bodies = modules.iter().flat_map(|it| it.rules.iter().map(|it| &it.body).chain(&it.proxy));

@@ -130,8 +130,8 @@ impl Infer<'_> {
         system.lets.iter().chain(&system.vars).for_each(|it| self.init(id, it));
         self.def = system.def;
         let site = Site { system: Some(id), params: &[] };
-        for number in &system.numbers {
-            self.expect(site, number, &Type::Number, "the number of generations");
+        if let Some(count) = &system.splitting.count {
+            self.expect(site, count, &Type::Number, "the count of a `derive`");
         }
         if let Some(start) = &system.start {
             self.solid(id, start);

@@ -61,7 +61,11 @@ impl Type {
     pub(super) fn of_field(kind: FieldType) -> Self {
         let list = |it: Self| Self::List(Box::new(it));
         match kind {
-            FieldType::Number(..) | FieldType::Positive | FieldType::Whole(..) | FieldType::Density => Self::Number,
+            FieldType::Number(..)
+            | FieldType::Positive
+            | FieldType::Whole(..)
+            | FieldType::PowerOfTwo(_)
+            | FieldType::Density => Self::Number,
             FieldType::Vector(parts) => Self::Vector(parts),
             FieldType::Color | FieldType::Factors => Self::Vector(3),
             FieldType::Size => Self::Vector(2),

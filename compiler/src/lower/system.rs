@@ -28,7 +28,7 @@ impl Lowering<'_> {
                 self.union_of(shows, scene.span)
             }
             _ => match &system.start {
-                Some(_) if system.kind == SystemKind::Shape => self.shape(id),
+                Some(_) if system.kind != SystemKind::Csg => self.shape(id),
                 Some(start) => self.solid(id, start),
                 None => self.node(form::Node::Empty, system.name_span),
             },

@@ -1,13 +1,16 @@
-//! Walks become lists of strides: the rules of a `shape` system (B08, section 3.2.2).
+//! Walks become lists of strides: the rules of a `shape` system (B08, section 3.2.2), or of a `hull` system (FG86, section 2.1).
 
 use std::collections::HashMap;
 
+use treegen_grammar::ast::SystemKind;
 use treegen_runtime::eval::Formula;
 use treegen_runtime::form::{self, Bracket, Choice, Node, NodeId, Origin, Shape, ShapeId, Slot, Stride, Walk};
 
 use super::{Lowering, origin};
 use crate::builtin::{self, WalkWord};
-use crate::program::{Expr, ModuleId, Prefix, PrefixKind, Program, Solid, SolidKind, Stride as Term, SystemId};
+use crate::program::{
+    Expr, ModuleId, Prefix, PrefixKind, Program, Solid, SolidKind, Splitting, Stride as Term, SystemId,
+};
 
 /// The modules of one shape, numbered as they are first named.
 #[derive(Default)]
@@ -36,7 +39,7 @@ struct Body<'m> {
 }
 
 impl Lowering<'_> {
-    /// The node that stands for what a `shape` system derives to.
+    /// The node that stands for what a `shape` or `hull` system derives to.
     pub(super) fn shape(&mut self, id: SystemId) -> NodeId {
         let program = self.program;
         let system = &program.systems[id.index()];
@@ -50,8 +53,19 @@ impl Lowering<'_> {
         }
         let system_id = self.system_id(id);
         let shape = ShapeId(self.shapes.len() as u32);
-        self.shapes.push(Shape { system: system_id, state, start, modules: lowered });
+        let splitting = (system.kind == SystemKind::Hull).then(|| self.splitting(&system.splitting));
+        self.shapes.push(Shape { system: system_id, state, start, modules: lowered, splitting });
         self.node(Node::Shape(shape), system.name_span)
+    }
+
+    fn splitting(&mut self, splitting: &Splitting) -> form::Splitting {
+        form::Splitting {
+            order: splitting.order,
+            count: splitting.count.as_ref().map(|it| self.value_of(it).into()),
+            outward: splitting.outward,
+            place: splitting.place,
+            origin: origin(splitting.span),
+        }
     }
 
     fn walk_module(&mut self, program: &Program, id: ModuleId, state: &[Slot], modules: &mut Modules) -> form::Module {
@@ -110,8 +124,7 @@ impl Lowering<'_> {
                         body.laid += 1;
                         Some(Stride::Segment { code: self.values_of(args).into(), number: body.laid, origin: at })
                     }
-                    // Hulls cannot be drawn yet, which was reported.
-                    WalkWord::Normal => None,
+                    WalkWord::Normal => Some(Stride::Normal { code: self.values_of(args).into(), origin: at }),
                 }
             }
             Term::Solid(solid) => self.walk_solid(body, solid),

@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use treegen_grammar::ast::{self, ItemKind, MemberKind, Name};
 use treegen_grammar::{FileId, Span};
+use treegen_runtime::eval::Place;
+use treegen_runtime::form::Order;
 
 use super::Resolver;
 use super::names::{Meaning, Named, Names};
 use crate::program::{
     CalcDef, CalcId, DefId, DefKind, Enum, EnumId, Expr, ExprKind, Formal, Function, FunctionId, Global, GlobalId,
-    Init, MaterialId, Module, ModuleId, Record, System, SystemId,
+    Init, MaterialId, Module, ModuleId, Record, Splitting, System, SystemId,
 };
 use crate::words;
 
@@ -179,7 +181,13 @@ impl Resolver<'_> {
             lets: Vec::new(),
             vars: Vec::new(),
             start: None,
-            numbers: Vec::new(),
+            splitting: Splitting {
+                order: Order::Parallel,
+                count: None,
+                outward: true,
+                place: Place::system(&name.text).definition("derive", "order").draw(0),
+                span: name.span,
+            },
         });
         SystemId(self.program.systems.len() as u32 - 1)
     }

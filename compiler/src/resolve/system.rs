@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use treegen_grammar::ast::{self, Arrow, MemberKind, SystemKind};
 use treegen_grammar::{FileId, Span};
 use treegen_runtime::eval::Place;
+use treegen_runtime::form::Order;
 
 use super::Resolver;
 use super::names::{Meaning, Named};
@@ -21,6 +22,14 @@ struct DefaultValue {
     written: Option<Expr>,
     range: Option<Range>,
 }
+
+/// The orders in which normals split, by the words for them.
+const ORDERS: [(&str, Order); 4] = [
+    ("parallel", Order::Parallel),
+    ("oldest", Order::Oldest),
+    ("random", Order::Random),
+    ("lifetime", Order::Lifetime),
+];
 
 /// What may stand once only in a system, and where it stood.
 #[derive(Default)]
@@ -157,6 +166,7 @@ impl<'o> Resolver<'o> {
             MemberKind::Prune(word) => {
                 self.walk_member(body, SystemKind::Hull, "`prune`", word.span);
                 self.check_word(body, "prune", word, &["outward", "none"]);
+                self.program.systems[body.system.index()].splitting.outward = word.text != "none";
                 let earlier = body.once.prune.replace(member.span);
                 self.check_once("`prune`", member.span, earlier);
             }
@@ -275,15 +285,17 @@ impl<'o> Resolver<'o> {
 
     fn derive_member(&mut self, body: &mut Body, order: &ast::Name, count: Option<&ast::Expr>, span: Span) {
         self.walk_member(body, SystemKind::Hull, "`derive`", order.span);
-        self.check_word(body, "derive", order, &["parallel", "oldest", "random", "lifetime"]);
+        let known = ORDERS.map(|it| it.0);
+        self.check_word(body, "derive", order, &known);
         let earlier = body.once.derive.replace(span);
         self.check_once("`derive`", span, earlier);
-        if let Some(count) = count {
-            let mut scope = self.system_scope(body.file, body.system, body.def, "derive", "");
-            scope.sees = Sees::Constants;
-            let count = self.expr(&mut scope, count);
-            self.program.systems[body.system.index()].numbers.push(count);
-        }
+        let mut scope = self.system_scope(body.file, body.system, body.def, "derive", "");
+        scope.sees = Sees::Constants;
+        let at = count.map_or(order.span, |it| it.span);
+        let count = count.map(|it| self.expr(&mut scope, it));
+        let order = ORDERS.iter().find(|it| it.0 == order.text).map_or(Order::Parallel, |it| it.1);
+        let splitting = &mut self.program.systems[body.system.index()].splitting;
+        (splitting.order, splitting.count, splitting.span) = (order, count, at);
     }
 
     fn priority_member(&mut self, body: &mut Body, number: &ast::Expr, rules: &[ast::Member]) {
@@ -435,7 +447,7 @@ fn rule_head(rule: &ast::Rule) -> Span {
 }
 
 /// The word for a kind of system.
-fn word(kind: SystemKind) -> &'static str {
+pub(super) fn word(kind: SystemKind) -> &'static str {
     match kind {
         SystemKind::Csg => "csg",
         SystemKind::Shape => "shape",

@@ -1,13 +1,13 @@
 //! Names in walks. They are checked as far as names and types go.
 
 use treegen_grammar::Span;
-use treegen_grammar::ast::{self, CutOp};
+use treegen_grammar::ast::{self, CutOp, SystemKind};
 
 use super::Resolver;
 use super::arguments::Callee;
 use super::chain::Role;
 use super::scope::Scope;
-use crate::builtin;
+use crate::builtin::{self, WalkWord};
 use crate::program::{Prefix, PrefixKind, Solid, SolidKind, Stride};
 use crate::words;
 
@@ -73,6 +73,20 @@ impl Resolver<'_> {
         Role::Stride(Stride::Bracket(inner))
     }
 
+    /// Stems are laid by shapes, normals by hulls.
+    fn check_walk_kind(&mut self, scope: &Scope, name: &str, word: WalkWord, span: Span) {
+        let needs = match word {
+            WalkWord::Toward => return,
+            WalkWord::Segment => SystemKind::Shape,
+            WalkWord::Normal => SystemKind::Hull,
+        };
+        let kind = scope.system.map(|it| self.program.systems[it.index()].kind);
+        if let Some(kind) = kind.filter(|it| *it != needs) {
+            let (has, is) = (super::system::word(needs), super::system::word(kind));
+            self.report(scope, words::systems::wrong_kind(&format!("`{name}`"), has, is, span));
+        }
+    }
+
     /// `segment(...)` and the like.
     pub(super) fn walk_word(
         &mut self,
@@ -92,6 +106,7 @@ impl Resolver<'_> {
             self.report(scope, words::systems::walks_only(&format!("`{word}`"), span));
             return error;
         }
+        self.check_walk_kind(scope, word, *kind, span);
         match self.arguments(scope, callee, args.unwrap_or(&[])) {
             Some(args) => Role::Stride(Stride::Word(*kind, args.into_iter().flatten().collect(), span)),
             None => error,

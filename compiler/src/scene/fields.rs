@@ -1,5 +1,7 @@
 //! Values of fields: found, and held against the field's type and range.
 
+use std::sync::Arc;
+
 use treegen_grammar::Span;
 use treegen_runtime::form::Value;
 
@@ -17,6 +19,11 @@ pub(super) enum Data {
     Word(&'static str),
     /// A texture, by its number.
     Texture(u32),
+    Text(Arc<str>),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+    /// A list of colours.
+    Colors(Vec<[f64; 3]>),
     /// What is checked and has no effect yet.
     Other,
 }
@@ -56,6 +63,10 @@ fn fitting(kind: FieldType, value: &Value) -> Option<Data> {
         (FieldType::Whole(low, high), Value::Number(it)) => {
             (it.fract() == 0.0 && (low..=high).contains(it)).then_some(Data::Number(*it))
         }
+        (FieldType::PowerOfTwo(most), Value::Number(it)) => {
+            let is_power = it.fract() == 0.0 && (1.0..=most).contains(it) && (*it as u64).is_power_of_two();
+            is_power.then_some(Data::Number(*it))
+        }
         (FieldType::Vector(count), Value::Vector(it)) => {
             parts(it.parts(), usize::from(count), f64::NEG_INFINITY, f64::INFINITY)
         }
@@ -66,12 +77,19 @@ fn fitting(kind: FieldType, value: &Value) -> Option<Data> {
             parts(it.parts(), 2, 1.0, MOST_SIDE).filter(|_| whole)
         }
         (FieldType::Numbers, Value::List(it)) => {
-            it.iter().all(|it| matches!(it, Value::Number(it) if it.is_finite())).then_some(Data::Other)
+            let number =
+                |it: &Value| if let Value::Number(it) = it { Some(*it).filter(|it| it.is_finite()) } else { None };
+            it.iter().map(number).collect::<Option<_>>().map(Data::Numbers)
         }
         (FieldType::Colors, Value::List(it)) => {
-            it.iter().all(|it| fitting(FieldType::Color, it).is_some()).then_some(Data::Other)
+            let color = |it: &Value| match fitting(FieldType::Color, it) {
+                Some(Data::Parts(parts)) => parts.as_slice().try_into().ok(),
+                _ => None,
+            };
+            it.iter().map(color).collect::<Option<_>>().map(Data::Colors)
         }
-        (FieldType::Truth, Value::Bool(_)) | (FieldType::Text, Value::Text(_)) => Some(Data::Other),
+        (FieldType::Text, Value::Text(it)) => Some(Data::Text(it.as_ref().into())),
+        (FieldType::Truth, Value::Bool(_)) => Some(Data::Other),
         _ => None,
     }
 }

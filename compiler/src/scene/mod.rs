@@ -9,6 +9,7 @@ use treegen_runtime::form::{Background, Camera, ImageSettings, Lens, Material, S
 
 use crate::constant::Constants;
 use crate::fields::{self as rules, FieldRule};
+use crate::pictures::Pictures;
 use crate::program::{Field, FieldValue, Record};
 use crate::words;
 use fields::Data;
@@ -29,11 +30,11 @@ pub(crate) struct Setting {
 }
 
 /// Finds the fields of all records.
-pub(crate) fn setting(constants: &mut Constants<'_>) -> Setting {
+pub(crate) fn setting(constants: &mut Constants<'_>, pictures: &mut Pictures<'_>) -> Setting {
     let program = constants.program();
     let mut setting = Setting::default();
     for texture in &program.textures {
-        let texture = surfaces::texture(constants, texture);
+        let texture = surfaces::texture(constants, pictures, texture);
         setting.textures.push(texture);
     }
     for material in &program.materials {
@@ -97,6 +98,10 @@ impl<'a> Fields<'a> {
 
     fn texture(&self, name: &str) -> Option<u32> {
         if let Some(Data::Texture(number)) = self.data(name) { Some(*number) } else { None }
+    }
+
+    fn text(&self, name: &str) -> Option<&str> {
+        if let Some(Data::Text(text)) = self.data(name) { Some(text) } else { None }
     }
 
     fn word(&self, name: &str) -> Option<&'static str> {

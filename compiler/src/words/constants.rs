@@ -56,6 +56,7 @@ pub(crate) fn needs(kind: FieldType) -> String {
         },
         FieldType::Positive => "a number above 0".to_owned(),
         FieldType::Whole(low, high) => format!("a whole number from {} to {}", number(low), number(high)),
+        FieldType::PowerOfTwo(most) => format!("a power of two, from 1 to {}", number(most)),
         FieldType::Vector(parts) => format!("a vector of {parts} numbers"),
         FieldType::Factors => "three numbers above 0".to_owned(),
         FieldType::Color => "a color: three numbers from 0 to 1".to_owned(),

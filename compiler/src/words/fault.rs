@@ -135,6 +135,24 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             format!("`segment({})` cannot be laid", numbers(values)),
             "its length and radii are 0 or more, and finite".to_owned(),
         ),
+        FaultKind::Normal { length: Some(length) } => (
+            "E1017",
+            format!("a normal cannot be {} long", number(*length)),
+            "its length is 0 or more, and finite".to_owned(),
+        ),
+        FaultKind::Normal { length: None } => (
+            "E1017",
+            "a module is left that has no length".to_owned(),
+            "read as a normal: its first parameter would be the length".to_owned(),
+        ),
+        FaultKind::OpenHull { direction: Some([x, y, z]) } => (
+            "E1018",
+            format!("this hull has no end towards ({}, {}, {})", rounded(*x), rounded(*y), rounded(*z)),
+            "no plane closes it there".to_owned(),
+        ),
+        FaultKind::OpenHull { direction: None } => {
+            ("E1018", "this hull has no plane".to_owned(), "none of its normals is left".to_owned())
+        }
         FaultKind::Toward { values } => {
             let label = match values.as_slice() {
                 [.., angle] if *angle < 0.0 => "the angle is 0 or more",
@@ -195,6 +213,11 @@ fn singular(kind: TransformKind, values: &[f64]) -> (&'static str, &'static str)
     }
 }
 
+/// A part of a direction as one would say it.
+fn rounded(part: f64) -> String {
+    number((part * 1e4).round() / 1e4 + 0.0)
+}
+
 pub(crate) fn limit_code(limit: Limit) -> &'static str {
     match limit {
         Limit::Depth => "E0911",
@@ -213,6 +236,8 @@ pub(crate) fn limit_code(limit: Limit) -> &'static str {
         Limit::Strides => "E0925",
         Limit::Primitives => "E0921",
         Limit::Triangles => "E0926",
+        Limit::Planes => "E0927",
+        Limit::Cells => "E0928",
     }
 }
 
@@ -230,6 +255,8 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Rules => "a derivation applies more rules than the limit",
         Limit::Modules => "more modules are waiting to be replaced than the limit",
         Limit::Segments => "a derivation lays more segments than the limit",
+        Limit::Cells => "the cubes of all textures have more cells than the limit",
+        Limit::Planes => "a hull has more planes than the limit",
         Limit::Strides => "a derivation takes more steps than the limit",
         Limit::Primitives => "the scene has more primitives than the limit",
         Limit::Triangles => "the mesh has more triangles than the limit",
@@ -241,6 +268,13 @@ fn advice(kind: &FaultKind) -> Option<&'static str> {
     match kind {
         FaultKind::NoRule { .. } => Some("a rule without a guard, written last, covers what is left"),
         FaultKind::Endless { .. } => Some("let it shrink, as by `uscale(.5)`, or count down to a rule that ends"),
+        FaultKind::OpenHull { direction: Some(_) } => {
+            Some("add a normal that leads there, or cut it with another solid, as in `Crown() & ball`")
+        }
+        FaultKind::OpenHull { direction: None } => Some("`prune none` keeps normals that do not point outwards"),
+        FaultKind::Limit { limit: Limit::Planes, .. } => {
+            Some("every generation doubles the planes, if a rule lays down its own module twice")
+        }
         FaultKind::Limit { limit: Limit::Calls, .. } => Some("does the function call itself without an end?"),
         FaultKind::Limit { limit: Limit::Depth, .. } => {
             Some("does a rule name its own module without shrinking it or counting down?")

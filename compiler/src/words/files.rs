@@ -1,6 +1,7 @@
 //! Used files: `E02`.
 
 use treegen_grammar::Span;
+use treegen_runtime::texture::BadPicture;
 
 use crate::loader::LoadError;
 use crate::problem::{Problem, Safety};
@@ -24,6 +25,36 @@ pub(crate) fn not_loaded(path: &str, span: Span, why: &LoadError) -> Problem {
             Problem::error("E0204", format!("`{path}` could not be read"), span, reason.clone())
         }
     }
+}
+
+/// A picture whose file could not be read.
+pub(crate) fn picture_not_loaded(path: &str, span: Span, why: &LoadError, most: u64) -> Problem {
+    match why {
+        LoadError::TooLarge => {
+            let most = format!("a picture's file has {} MiB at most", most >> 20);
+            Problem::error("E0901", format!("`{path}` is too large"), span, most)
+        }
+        LoadError::NotFound | LoadError::Outside | LoadError::NotText { .. } | LoadError::Refused(_) => {
+            not_loaded(path, span, why)
+        }
+    }
+}
+
+/// A file that is no picture to be shown.
+pub(crate) fn bad_picture(path: &str, span: Span, why: &BadPicture) -> Problem {
+    let reason = match why {
+        BadPicture::Broken(reason) => reason.clone(),
+        BadPicture::NotPng | BadPicture::TooLarge { .. } => "it is no PNG file".to_owned(),
+    };
+    Problem::error("E0207", format!("`{path}` is not a picture that can be shown"), span, reason)
+}
+
+/// A picture with which all have more pixels than they may.
+pub(crate) fn too_many_pixels(path: &str, (width, height): (u32, u32), left: u64, most: u64, span: Span) -> Problem {
+    let label = format!("it has {width} x {height} pixels");
+    let problem = Problem::error("E0909", format!("`{path}` has too many pixels"), span, label);
+    let all = format!("all pictures of a program have {most} at most");
+    problem.note(if left < most { format!("{all}, and {left} were left") } else { all })
 }
 
 /// Files that use one another.

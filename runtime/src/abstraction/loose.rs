@@ -92,7 +92,9 @@ impl Loose {
             PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => {
                 Self::of_box(Aabb { max: DVec3::new(f64::INFINITY, f64::INFINITY, 0.0), ..Aabb::ALL })
             }
-            PrimitiveKind::HalfSpace | PrimitiveKind::Quadric | PrimitiveKind::Segment => Self::ALL,
+            PrimitiveKind::HalfSpace | PrimitiveKind::Quadric | PrimitiveKind::Segment | PrimitiveKind::Hull => {
+                Self::ALL
+            }
         }
     }
 

@@ -177,6 +177,14 @@ impl Profile {
             }
             PrimitiveKind::Triangle => Self::each(|it| corners(&[level(0.0, 0.0), level(1.0, 0.0)], it)),
             PrimitiveKind::Segment => Self::of_box(&primitive.bounds()),
+            PrimitiveKind::Hull => match primitive.hull() {
+                Some(set) if set.open().is_none() => {
+                    let round: Vec<Plane> =
+                        set.corners().iter().map(|it| level(it.truncate().length(), it.z)).collect();
+                    Self::each(|it| corners(&round, it))
+                }
+                _ => Self::of_box(&primitive.bounds()),
+            },
             PrimitiveKind::HalfSpace
             | PrimitiveKind::Hyperboloid
             | PrimitiveKind::Paraboloid

@@ -49,6 +49,11 @@ impl Frame {
         self.axes.x_axis
     }
 
+    /// The z axis.
+    pub(super) fn along(&self) -> DVec3 {
+        self.axes.z_axis
+    }
+
     /// Whether its numbers can be computed with.
     pub(super) fn is_sound(&self) -> bool {
         let even = self.position.is_finite() && (1.0 / MOST_FACTOR..=MOST_FACTOR).contains(&self.factor);

@@ -1,7 +1,8 @@
-//! The derivation of shapes (B08, sections 3.2.2 and 3.2.3): rules are applied to modules until none applies.
+//! The derivation of shapes (B08, sections 3.2.2 and 3.2.3): rules are applied to modules until none applies. That of hulls (FG86,
+//! section 2.1) differs in the order, in its end and in what is laid; see [`splitting`].
 //!
-//! In: a [`Shape`] of a graph and the environment of its system. Out: the [`SegmentList`] that was laid, and, through a
-//! [`Watcher`], the solids that were placed. The list of modules that wait is explicit, so a derivation takes no stack.
+//! In: a [`Shape`] of a graph and the environment of its system. Out: the [`SegmentList`] that was laid, or the [`Normal`]s, and,
+//! through a [`Watcher`], the solids that were placed. The list of modules that wait is explicit, so a derivation takes no stack.
 //!
 //! What becomes of a module depends only on what it took along when it was laid down: its arguments, the state, the frame, the
 //! paint and its path. So the order of the derivation decides nothing but where one that is stopped stands.
@@ -11,15 +12,18 @@ mod packed;
 mod queue;
 mod record;
 mod select;
+mod splitting;
 mod trail;
 mod waiting;
 mod walker;
 
 pub use record::{Applied, Recorder};
+pub use splitting::Normal;
 
 use glam::DAffine3;
 
 use self::frame::Frame;
+use self::splitting::Splits;
 use self::trail::Ancestry;
 use self::waiting::{Done, Ticket, Waiting};
 use self::walker::Here;
@@ -76,7 +80,7 @@ pub struct Step {
     pub number: Option<u32>,
     /// The numbers of the modules that it laid down.
     pub laid: std::ops::Range<u32>,
-    /// How many segments it laid.
+    /// How many segments it laid, or normals that do not split.
     pub segments: u32,
     /// How many solids it placed.
     pub solids: u32,
@@ -107,14 +111,32 @@ impl<'g> Deriver<'g> {
     /// # Errors
     /// A fault in an expression, or a limit, with the modules that led there.
     pub fn derive(&mut self, shape: ShapeId, env: &Env, watcher: &mut impl Watcher) -> Result<SegmentList, Fault> {
+        let list = self.run(shape, env, watcher)?.0;
+        self.left = [list.len(), list.stems().len()];
+        Ok(list)
+    }
+
+    /// Derives a hull in the environment of its system: the normals that are left. A shape has none.
+    ///
+    /// # Errors
+    /// As [`Deriver::derive`].
+    pub fn normals(&mut self, shape: ShapeId, env: &Env, watcher: &mut impl Watcher) -> Result<Vec<Normal>, Fault> {
+        Ok(self.run(shape, env, watcher)?.1)
+    }
+
+    fn run(
+        &mut self,
+        shape: ShapeId,
+        env: &Env,
+        watcher: &mut impl Watcher,
+    ) -> Result<(SegmentList, Vec<Normal>), Fault> {
         let mut derivation = Derivation::new(self, shape, env, watcher);
         derivation.start()?;
         while let Some(ticket) = derivation.next()? {
             derivation.apply(ticket)?;
         }
-        let list = derivation.list;
-        self.left = [list.len(), list.stems().len()];
-        Ok(list)
+        derivation.settle_all()?;
+        Ok((derivation.list, derivation.splits.map(|it| it.normals).unwrap_or_default()))
     }
 }
 
@@ -131,6 +153,8 @@ struct Derivation<'d, 'g, W> {
     fresh: Vec<Ticket>,
     ancestry: &'d mut Ancestry,
     list: SegmentList,
+    /// What a hull has besides.
+    splits: Option<Splits<'g>>,
     watcher: &'d mut W,
     /// Arguments on their way into a module.
     args: Vec<Value>,
@@ -170,6 +194,7 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
             ancestry,
             // Derivations of one shape are much alike.
             list: SegmentList::with_room(left[0], left[1]),
+            splits: None,
             watcher,
             args: vec![Value::Number(0.0); most_params],
             rules: 0,
@@ -181,6 +206,10 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
 
     /// Walks the start.
     fn start(&mut self) -> Result<(), Fault> {
+        let shape = self.shape;
+        if let Some(rules) = &shape.splitting {
+            self.begin_splits(rules)?;
+        }
         let here = Here::new(Frame::START, None, None);
         let ground = Ground { number: None, route: 0, priority: 0, depth: 0 };
         self.step(&self.shape.start, ground, here, None)
@@ -191,7 +220,8 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
         if self.graph.stops_after().is_some_and(|it| self.rules >= it) {
             return Ok(None);
         }
-        let Some(ticket) = self.waiting.next() else {
+        let next = if self.splits.is_some() { self.next_split() } else { self.waiting.next() };
+        let Some(ticket) = next else {
             return Ok(None);
         };
         let most = u64::from(self.machine.limits().rules);
@@ -218,6 +248,9 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
             depth: laid.depth,
         };
         let here = Here::new(laid.frame.clone(), laid.material, laid.end);
+        if !rule.appends {
+            self.count_replaced();
+        }
         self.step(&rule.body, ground, here, Some((ticket, module, number as usize)))?;
         if rule.appends {
             self.leave(ticket, number);
@@ -236,12 +269,13 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
         mut here: Here,
         rule: Option<(Ticket, usize, usize)>,
     ) -> Result<(), Fault> {
-        let (first, segments, solids) = (self.ancestry.count(), self.list.len(), self.solids);
+        let (first, segments, solids) = (self.ancestry.count(), self.laid(), self.solids);
         self.copies = self.machine.limits().repeat;
         self.walk(walk, &ground, &mut here).map_err(|fault| match &rule {
             Some((ticket, ..)) => self.led_to(*ticket, fault),
             None => fault,
         })?;
+        let laid = self.laid() - segments;
         for number in 0..self.fresh.len() {
             self.enlist(self.fresh[number])?;
         }
@@ -249,13 +283,18 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
         let step = Step {
             number: ground.number,
             laid: first..self.ancestry.count(),
-            segments: (self.list.len() - segments) as u32,
+            segments: laid as u32,
             solids: self.solids - solids,
             rule: rule.map(|it| (it.1, it.2)),
         };
         let values = |number: usize| rule.map_or(Value::Number(0.0), |it| self.waiting.value(it.0, number));
         self.watcher.applied(self.shape, &step, &values);
         Ok(())
+    }
+
+    /// How many segments, or normals that do not split, there are so far.
+    fn laid(&self) -> usize {
+        self.list.len() + self.splits.as_ref().map_or(0, |it| it.normals.len())
     }
 
     /// Lets a module wait for the rule that applies to it next; if none does it has stopped growing.
@@ -271,8 +310,9 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
             self.choose(ticket).map_err(|it| self.led_to(ticket, it))?
         };
         match chosen {
+            Some(rule) if self.splits.is_some() => self.wait_for_split(ticket, rule),
             Some(rule) => self.waiting.wait(ticket, rule, module.rules[rule as usize].priority),
-            None => self.waiting.forget(ticket),
+            None => return self.settle(ticket),
         }
         Ok(())
     }

@@ -38,6 +38,11 @@ impl Ancestry {
         self.modules.len() as u32
     }
 
+    /// Where a module was laid down in the text.
+    pub(super) fn origin(&self, number: u32) -> Origin {
+        self.modules[number as usize].origin
+    }
+
     fn parent(&self, number: u32) -> Option<u32> {
         self.modules[number as usize].parent
     }

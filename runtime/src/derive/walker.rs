@@ -24,6 +24,14 @@ impl Here {
     pub(super) fn new(frame: Frame, material: Option<MaterialId>, end: Option<StemEnd>) -> Self {
         Self { frame, material, end, is_free: true }
     }
+
+    pub(super) fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    pub(super) fn material(&self) -> Option<MaterialId> {
+        self.material
+    }
 }
 
 impl<'g, W: Watcher> Derivation<'_, 'g, W> {
@@ -43,6 +51,10 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
                     self.env.fold(count);
                 }
                 Stride::Segment { code, number, origin } => self.segment(code, *number, *origin, ground, here)?,
+                Stride::Normal { code, origin } => {
+                    sound(&here.frame, *origin)?;
+                    self.normal(code, *origin, here)?;
+                }
                 Stride::Module { module, args, place, origin } => {
                     self.lay(*module, args, *place, *origin, ground, here)?;
                 }
@@ -158,6 +170,9 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
     ) -> Result<(), Fault> {
         sound(&here.frame, origin)?;
         self.machine.find(args, &mut self.env, &mut self.args)?;
+        if !self.may_lay_normal(&here.frame, origin)? {
+            return Ok(());
+        }
         let end = here.end.filter(|it| here.is_free && self.list.is_open(*it, here.frame.position));
         here.is_free &= end.is_none();
         let turn = self.env.turn;

@@ -340,6 +340,7 @@ impl PrimitiveKind {
             Self::Paraboloid => "paraboloid",
             Self::Quadric => "quadric",
             Self::Segment => "segment",
+            Self::Hull => "hull",
         }
     }
 }

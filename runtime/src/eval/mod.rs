@@ -19,4 +19,5 @@ pub use machine::{Machine, Results};
 pub(crate) use meaning::{drawn, matrix, rotation, trail_step, unit};
 pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise};
 pub use path::{Path, Place};
-pub(crate) use path::{mix, spread};
+pub(crate) use path::{fraction, mix, spread};
+pub(crate) use random::uniform;

@@ -24,6 +24,7 @@ const SECOND: f64 = 36.0 / 13.0 - 180.0 / 12.0 + 345.0 / 11.0 - 300.0 / 10.0 + 1
 const AXES: [u64; 3] = [0x8a5c_d789_635d_2dff, 0x1215_5b0f_6a1b_c5ab, 0xd1b5_4a32_d192_ed03];
 
 /// Smooth noise at a point, between -1 and 1, 0 at every point of the whole-number lattice. The seed decides the gradients.
+#[inline]
 pub(crate) fn gradient_noise(seed: u64, point: DVec3) -> Tangent {
     let cell = point.floor();
     let inside = point - cell;

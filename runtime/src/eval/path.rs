@@ -85,3 +85,7 @@ impl Path {
         Self(mix(mix(self.0, place), turn), mix(mix(self.1 ^ 0x5851_f42d_4c95_7f2d, turn), place))
     }
 }
+/// The number from 0 to 1, without 1, that random bits stand for.
+pub(crate) fn fraction(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1u64 << 53) as f64
+}

@@ -138,6 +138,13 @@ impl shapes::Taker for Parts<'_, '_> {
         self.tasks.push(Task::Tell(Box::new(placed), part.origin));
         Ok(())
     }
+
+    fn hull(&mut self, hull: shapes::Hull) -> Result<(), Fault> {
+        let here = self.here(&DAffine3::IDENTITY, hull.material, Route::START, Env::default());
+        let placed = here.place(PrimitiveKind::Hull, hull.parameters.into());
+        self.tasks.push(Task::Tell(Box::new(placed), hull.origin));
+        Ok(())
+    }
 }
 
 impl<'s> Pieces<'s> {

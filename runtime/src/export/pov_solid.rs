@@ -122,9 +122,23 @@ fn unit(kind: PrimitiveKind, parameters: &[f64]) -> (String, DVec3) {
         (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => {
             plain(&segment(radius, slope, lean, top, [x, y]))
         }
+        (PrimitiveKind::Hull, numbers) => plain(&hull(numbers)),
         // Only a sphere is left: a piece has the parameters of its kind.
         _ => plain("sphere { 0, 1"),
     }
+}
+
+/// What lies behind planes, of which there may be one only.
+fn hull(numbers: &[f64]) -> String {
+    let (planes, _) = numbers.as_chunks::<4>();
+    let planes = planes.iter().map(|[x, y, z, d]| {
+        let normal = DVec3::new(*x, *y, *z);
+        format!(" plane {{ {}, {:?} }}", Triple(normal / normal.length()), d / normal.length())
+    });
+    // POV-Ray wants two parts at least.
+    let mut text = "intersection { plane { z, 1e30 }".to_owned();
+    text.extend(planes);
+    text
 }
 
 /// A cone that reaches beyond both cuts, and the cuts.

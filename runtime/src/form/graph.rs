@@ -26,6 +26,8 @@ pub struct Graph {
     systems: Vec<System>,
     functions: Vec<Function>,
     shapes: Vec<Shape>,
+    /// See [`Graph::is_unclipped`].
+    unclipped: Box<[bool]>,
     root: SystemId,
     stops_after: Option<u64>,
 }
@@ -300,8 +302,10 @@ impl Graph {
         shapes: Vec<Shape>,
         root: SystemId,
     ) -> Result<Self, GraphError> {
-        let graph = Self { nodes, selects, systems, functions, shapes, root, stops_after: None };
+        let unclipped = Box::default();
+        let mut graph = Self { nodes, selects, systems, functions, shapes, unclipped, root, stops_after: None };
         graph.check()?;
+        graph.unclipped = graph.find_unclipped();
         Ok(graph)
     }
 
@@ -376,6 +380,11 @@ impl Graph {
     /// A shape.
     pub fn shape(&self, id: ShapeId) -> &Shape {
         &self.shapes[id.0 as usize]
+    }
+
+    /// Whether a shape is seen somewhere without an intersection or difference that cuts it.
+    pub fn is_unclipped(&self, id: ShapeId) -> bool {
+        self.unclipped[id.0 as usize]
     }
 
     /// A function.

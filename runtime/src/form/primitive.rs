@@ -34,6 +34,8 @@ pub enum PrimitiveKind {
     /// A frustum about z with its own cuts: what stems are made of. Parameters: the radius at z = 0, how much it grows with z, a, c,
     /// p, q; inside a x <= z <= c + p x + q y.
     Segment,
+    /// What lies behind any number of planes at once (FG86). Parameters: n.x, n.y, n.z, d of each plane, inside n·p <= d.
+    Hull,
 }
 
 impl PrimitiveKind {
@@ -42,14 +44,14 @@ impl PrimitiveKind {
         !matches!(self, Self::Triangle)
     }
 
-    /// How many parameters it has.
+    /// How many parameters it has; for a hull, for each plane.
     pub fn params(self) -> usize {
         match self {
             Self::Sphere | Self::Cylinder | Self::Box | Self::Tetrahedron | Self::Triangle => 0,
             Self::Torus => 1,
             Self::Cone | Self::Paraboloid => 2,
             Self::Ellipsoid | Self::Hyperboloid => 3,
-            Self::HalfSpace => 4,
+            Self::HalfSpace | Self::Hull => 4,
             Self::Segment => 6,
             Self::Quadric => 10,
         }

@@ -1,8 +1,11 @@
 //! A scene: one graph, and what is needed to look at it.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{Graph, Origin, Space, Texture, TextureId};
+use crate::geometry::Hide;
 
 /// Names a material of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -36,14 +39,29 @@ impl Scene {
             return false;
         };
         let texture = |it: TextureId| self.textures.get(it.0 as usize);
-        material.textures().filter_map(texture).any(|it| it.space == Space::Object)
+        material.textures().filter_map(texture).any(|it| it.space != Space::World)
+    }
+
+    /// Whether the look of a material depends on where things are on the stems of plants.
+    pub fn is_painted_on_stems(&self, material: MaterialId) -> bool {
+        let Some(material) = self.materials.get(material.0 as usize) else {
+            return false;
+        };
+        let texture = |it: TextureId| self.textures.get(it.0 as usize);
+        material.relief.is_some() || material.textures().filter_map(texture).any(|it| it.space == Space::Stem)
+    }
+
+    /// The relief of a material, if it has one that is not flat.
+    pub(crate) fn hide(&self, material: &Material) -> Option<Arc<Hide>> {
+        let texture = self.textures.get(material.relief?.0 as usize)?;
+        Hide::new(texture, self.seed, material.depth).map(Arc::new)
     }
 }
 
 impl Material {
     /// All textures that it names.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> {
-        self.shade.into_iter().chain(self.bump)
+        self.shade.into_iter().chain(self.bump).chain(self.relief)
     }
 }
 
@@ -62,12 +80,18 @@ pub struct Material {
     pub amount: f64,
     /// The texture that the surface rises and falls with, as far as its normals are concerned.
     pub bump: Option<TextureId>,
-    /// How high it rises where the texture is 1, in metres.
+    /// The texture that the surface of stems really rises and falls with; on all else it is as `bump`.
+    pub relief: Option<TextureId>,
+    /// How high both rise where the texture is 1, in metres.
     pub depth: f64,
+    /// How deep the surfaces of hulls are carved by noise at most, in metres.
+    pub roughen: f64,
     /// How much it shines, from 0 to 1.
     pub gloss: f64,
     /// How much of what is seen straight in it is a mirror image, from 0 to 1.
     pub mirror: f64,
+    /// How much of the light that it scatters comes through from the other side, from 0 to 1.
+    pub translucent: f64,
     /// Its place in the text.
     pub origin: Origin,
 }
@@ -82,9 +106,12 @@ impl Default for Material {
             shade: None,
             amount: 1.0,
             bump: None,
+            relief: None,
             depth: 0.02,
+            roughen: 0.0,
             gloss: 0.0,
             mirror: 0.0,
+            translucent: 0.0,
             origin: Origin::NONE,
         }
     }

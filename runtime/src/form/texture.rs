@@ -1,8 +1,10 @@
 //! Textures: patterns in space, as plain data.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
-use super::Origin;
+use super::{Origin, Raster};
 
 /// Names a texture of a [`Scene`](super::Scene).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -32,17 +34,24 @@ pub struct Texture {
 pub enum Space {
     /// The frame in which the paint stands: the pattern goes with the thing it is on.
     Object,
+    /// On the stems of plants: the stem itself, as if it were straight and as thick everywhere as where it is thickest. On all else
+    /// as [`Space::Object`].
+    Stem,
     /// The world: one pattern runs on across all things.
     World,
 }
 
 /// The kinds of pattern.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Pattern {
     /// Sums of sine waves in x and in y, multiplied (G84, equation 15).
     Fourier(Fourier),
     /// Fractional Brownian motion: noise on noise of half the size.
     Fbm(Fbm),
+    /// Tiles that show a picture.
+    Image(Image),
+    /// Chunks of colour in a cube that tiles space (FG86, section 4).
+    Chunks(Chunks),
 }
 
 /// The numbers of a [`Pattern::Fourier`].
@@ -71,6 +80,39 @@ pub struct Fbm {
     pub frequency: f64,
     /// By how much the frequency grows from one size to the next; above 0.
     pub lacunarity: f64,
+}
+
+/// What a [`Pattern::Image`] shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The picture.
+    pub raster: Arc<Raster>,
+    /// How many metres a tile is wide and high; above 0. Round a stem goes a whole number of tiles.
+    pub size: f64,
+}
+
+/// What a [`Pattern::Chunks`] is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chunks {
+    /// How many cells are on a side of the cube: a power of two, at most [`Chunks::MOST_CELLS`].
+    pub cube: u32,
+    /// How long a side is, in metres; above 0.
+    pub size: f64,
+    /// How many chunks there are.
+    pub count: u32,
+    /// How many cells a chunk has on a side, at least and at most: 1 or more, in this order.
+    pub chunk: [u32; 2],
+    /// The colours, sRGB: 1 to [`Chunks::MOST_COLORS`] of them.
+    pub colors: Vec<[f64; 3]>,
+    /// How many of the chunks have each of them, in parts: 0 or more, and one of them more.
+    pub share: Vec<f64>,
+}
+
+impl Chunks {
+    /// The most cells on a side.
+    pub const MOST_CELLS: u32 = 256;
+    /// The most colours.
+    pub const MOST_COLORS: usize = 255;
 }
 
 impl Fourier {
@@ -102,7 +144,8 @@ impl Texture {
             name: String::new(),
             space: match pattern {
                 Pattern::Fourier(_) => Space::World,
-                Pattern::Fbm(_) => Space::Object,
+                Pattern::Fbm(_) | Pattern::Chunks(_) => Space::Object,
+                Pattern::Image(_) => Space::Stem,
             },
             seed: 0.0,
             stretch: DVec3::ONE,

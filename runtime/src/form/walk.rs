@@ -1,4 +1,4 @@
-//! Compiled walks: what the rules of a `shape` system do, stride by stride (B08, section 3.2).
+//! Compiled walks: what the rules of `shape` and `hull` systems do, stride by stride (B08, section 3.2; FG86, section 2.1).
 //!
 //! A walk is plain data, read from left to right by the interpreter ([`derive`](crate::derive)). It names slots of its system, nodes
 //! of the graph and modules of its own [`Shape`]; [`Graph`](super::Graph) checks that they are there.
@@ -14,7 +14,7 @@ pub struct ShapeId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ModuleId(pub u32);
 
-/// The rules of a `shape` system.
+/// The rules of a `shape` or `hull` system.
 ///
 /// What it derives to depends on the slots of the system it belongs to and on the path, and on nothing else.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,36 @@ pub struct Shape {
     pub start: Walk,
     /// Its modules.
     pub modules: Vec<Module>,
+    /// How its normals split, if it is a hull.
+    pub splitting: Option<Splitting>,
+}
+
+/// How the normals of a hull split.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Splitting {
+    /// Which splits next.
+    pub order: Order,
+    /// How many generations there are, or how many splits: one whole number, at least 0. None: 1.
+    pub count: Option<Formula>,
+    /// Whether normals are left out that do not point outwards (FG86, figure 3).
+    pub outward: bool,
+    /// The place of its own draws.
+    pub place: u64,
+    /// Its place in the text.
+    pub origin: Origin,
+}
+
+/// Which normal of a hull splits next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// All at once, generation after generation.
+    Parallel,
+    /// The oldest.
+    Oldest,
+    /// Any.
+    Random,
+    /// The one whose life ends first: lives last 1 on an average, and how much is left of one does not depend on its age.
+    Lifetime,
 }
 
 /// All rules of one module of a [`Shape`].
@@ -106,6 +136,13 @@ pub enum Stride {
         code: Formula,
         /// A number that tells it apart from the other segments of its walk.
         number: u32,
+        /// Its place in the text.
+        origin: Origin,
+    },
+    /// Lays a normal that does not split.
+    Normal {
+        /// Its length.
+        code: Formula,
         /// Its place in the text.
         origin: Origin,
     },
@@ -206,6 +243,7 @@ impl Walk {
                 | Stride::Paint(_)
                 | Stride::Variant { .. }
                 | Stride::Segment { .. }
+                | Stride::Normal { .. }
                 | Stride::Module { .. }
                 | Stride::Place { .. } => {}
             }
@@ -221,6 +259,7 @@ impl Stride {
             Self::Toward { code, .. } => (code, Some(4)),
             Self::Calc(code) => (code, None),
             Self::Segment { code, .. } => (code, Some(3)),
+            Self::Normal { code, .. } => (code, Some(1)),
             Self::Module { args, .. } => (args, None),
             Self::Variant { count, .. } | Self::Repeat { count, .. } => (count, Some(1)),
             Self::Choice { condition, .. } => (condition, Some(1)),
@@ -249,12 +288,14 @@ impl Shape {
         solids.into_iter()
     }
 
-    /// The codes by which it chooses rules.
+    /// The codes by which it chooses rules, and finds how often they are applied.
     pub fn selections(&self) -> impl Iterator<Item = &Code> {
-        self.modules.iter().flat_map(|module| {
+        let count = self.splitting.iter().filter_map(|it| it.count.as_ref().map(Formula::code));
+        let rules = self.modules.iter().flat_map(|module| {
             let function = if let Choice::Function(code) = &module.choice { Some(code) } else { None };
             let rules = module.rules.iter().flat_map(|it| it.guard.iter().chain(&it.weight));
             function.into_iter().chain(rules.map(Formula::code))
-        })
+        });
+        count.chain(rules)
     }
 }

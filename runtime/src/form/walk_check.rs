@@ -1,7 +1,7 @@
 //! The laws of a [`Shape`], checked when the [`Graph`] it belongs to is made.
 
 use super::graph::{Graph, GraphError};
-use super::walk::{Module, Shape, Stride, WalkRule};
+use super::walk::{Module, Shape, Splitting, Stride, WalkRule};
 use super::{Choice, Code, Origin, Slot, System};
 
 impl Graph {
@@ -11,6 +11,9 @@ impl Graph {
         let system = self.system(shape.system);
         check_slots(&shape.state, system, system.origin)?;
         shape.modules.iter().try_for_each(|it| self.check_module(it, system))?;
+        if let Some(Splitting { count: Some(count), origin, .. }) = &shape.splitting {
+            self.check_walk_code(count.code(), Some(1), system, *origin)?;
+        }
         let mut result = Ok(());
         for walk in shape.walks() {
             walk.visit(&mut |stride| {

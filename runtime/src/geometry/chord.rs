@@ -8,7 +8,7 @@ pub struct Crossing {
     /// Where on the line, in lengths of the ray's direction. Infinite where the solid does not end.
     pub t: f64,
     /// Which face of the primitive; see [`Primitive`](super::Primitive) for their numbers.
-    pub face: u8,
+    pub face: u16,
 }
 
 /// A piece of a line inside a primitive.

@@ -64,10 +64,15 @@ pub(crate) struct Side<S: Simd> {
 /// What the number of a face is multiplied by, so that it can be added to what else is known of a surface.
 pub(crate) const FACE: u64 = 1 << 26;
 
-impl Convex {
+/// Something that a line meets in one chord at most, or in one crossing.
+pub(crate) trait Pierced {
     /// What lines have inside.
+    fn pieces<S: Simd>(&self, lanes: S, lines: &Lines<S>) -> Pieces<S>;
+}
+
+impl Pierced for Convex {
     #[inline(always)]
-    pub(crate) fn pieces<S: Simd>(&self, lanes: S, lines: &Lines<S>) -> Pieces<S> {
+    fn pieces<S: Simd>(&self, lanes: S, lines: &Lines<S>) -> Pieces<S> {
         let mut pieces = match *self {
             Self::Ball => ball(lanes, lines),
             Self::Cylinder => cylinder(lanes, lines),
@@ -81,14 +86,16 @@ impl Convex {
         pieces.met = pieces.met & !pieces.odd;
         pieces
     }
+}
 
+impl Convex {
     /// Whether a ray that starts on a face leaves the solid for good: it goes out of a convex solid, and so never meets it again.
-    pub(crate) fn is_left_by(&self, face: u8, ray: &Ray) -> bool {
+    pub(crate) fn is_left_by(&self, face: u16, ray: &Ray) -> bool {
         self.is_solid() && self.outwards(face, ray.origin).dot(ray.direction) > 0.0
     }
 
     /// A vector along the outward normal of a face, not of length 1.
-    fn outwards(&self, face: u8, point: DVec3) -> DVec3 {
+    fn outwards(&self, face: u16, point: DVec3) -> DVec3 {
         match *self {
             Self::Ball => point,
             Self::Cylinder | Self::Cone { .. } if face == BOTTOM => DVec3::NEG_Z,
@@ -137,7 +144,7 @@ fn none<S: Simd>(lanes: S) -> Mask<S> {
 }
 
 #[inline(always)]
-fn side<S: Simd>(lanes: S, t: Wide<S>, face: u8) -> Side<S> {
+fn side<S: Simd>(lanes: S, t: Wide<S>, face: u16) -> Side<S> {
     Side { t, face: lanes.splat_u64s(u64::from(face) * FACE) }
 }
 
@@ -276,7 +283,7 @@ fn between_caps<S: Simd>(lanes: S, lines: &Lines<S>, near: Side<S>, far: Side<S>
 }
 
 /// The pieces of lines that lie behind some planes.
-struct Clip<S: Simd> {
+pub(super) struct Clip<S: Simd> {
     lanes: S,
     near: Side<S>,
     far: Side<S>,
@@ -285,7 +292,7 @@ struct Clip<S: Simd> {
 
 impl<S: Simd> Clip<S> {
     #[inline(always)]
-    fn all(lanes: S) -> Self {
+    pub(super) fn all(lanes: S) -> Self {
         let infinity = number(lanes, f64::INFINITY);
         let (near, far) = (side(lanes, -infinity, 0), side(lanes, infinity, 0));
         Self { lanes, near, far, met: !none(lanes) }
@@ -293,7 +300,7 @@ impl<S: Simd> Clip<S> {
 
     /// Cuts off what lies in front of a plane, that the lines are `distance` behind at t = 0 and near by `speed`.
     #[inline(always)]
-    fn cut(self, face: u8, distance: Wide<S>, speed: Wide<S>) -> Self {
+    pub(super) fn cut(self, face: u16, distance: Wide<S>, speed: Wide<S>) -> Self {
         let zero = number(self.lanes, 0.0);
         let crossing = side(self.lanes, distance / speed, face);
         let (enters, leaves) = (speed.lt(zero), speed.gt(zero));
@@ -305,7 +312,7 @@ impl<S: Simd> Clip<S> {
     }
 
     #[inline(always)]
-    fn pieces(self) -> Pieces<S> {
+    pub(super) fn pieces(self) -> Pieces<S> {
         between(self.lanes, self.near, self.far, self.met)
     }
 }

@@ -13,12 +13,14 @@
 //! given. **Where a bend is so sharp** that a cut would reach beyond the middle of a segment, the ball stands there, and the cones
 //! end where they touch it.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::cone::{Cone, Fit};
 use super::primitive::Primitive;
-use super::segment::Wrap;
+use super::rind::Rind;
+use super::segment::{CutCone, Wrap};
 use super::solve::power_of_two_below;
+use crate::eval::{fraction, spread};
 use crate::form::{MaterialId, Origin, PrimitiveKind, Segment, Stem};
 
 /// How the segments of a stem meet at one of its joints, or end at one of its ends.
@@ -39,7 +41,7 @@ pub enum Joint {
 }
 
 /// A part of a stem.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Part {
     /// What it is.
     pub primitive: Primitive,
@@ -47,6 +49,8 @@ pub struct Part {
     pub parameters: Option<[f64; 6]>,
     /// How texture coordinates lie on it.
     pub wrap: Wrap,
+    /// The rind of a segment; a ball has none.
+    pub rind: Option<Rind>,
     /// From its own frame to that of the stem.
     pub stem_from_part: DAffine3,
     /// Its paint.
@@ -71,6 +75,18 @@ struct Link {
     ends: [Fit; 2],
     cone: Cone,
 }
+
+/// The rind of a segment along its stem.
+struct Along {
+    /// Where it begins and ends.
+    from: f64,
+    to: f64,
+    /// The stem's greatest radius.
+    widest: f64,
+}
+
+/// How far apart the places are at most where the rinds of stems begin, in greatest radii.
+const START_REACH: f64 = 512.0;
 
 /// How much radii may differ and still agree, as a part of the larger one.
 const SAME_RADIUS: f64 = 1e-6;
@@ -112,14 +128,18 @@ impl Joints {
     /// Calls `each` with the parts of the stem that was fitted last, in order.
     pub fn parts(&self, stem: &Stem, mut each: impl FnMut(Part)) {
         let whole: f64 = self.links.iter().map(|it| it.length).sum();
+        let widest = self.links.iter().flat_map(|it| it.segment.radii).fold(0.0, f64::max);
+        // So that stems of one kind do not all look the same.
+        let begin = START_REACH * widest * fraction(spread(stem.route));
         let (mut done, mut across) = (0.0, stem.across);
         let mut before: Option<DVec3> = None;
         for (link, joints) in self.links.iter().zip(self.joints.windows(2)) {
             across = carried(across, before, link.axis);
             before = Some(link.axis);
             let along = [done / whole, (done + link.length) / whole];
+            let rind = Along { from: begin + done, to: begin + done + link.length, widest };
             done += link.length;
-            if let Some(part) = link.frustum(across, along, [joints[0], joints[1]]) {
+            if let Some(part) = link.frustum(across, along, &rind, [joints[0], joints[1]]) {
                 each(part);
             }
             if let Some(part) = link.ball(joints[1], along[1]) {
@@ -227,7 +247,7 @@ impl Link {
     }
 
     /// What it is, in a frame with z along the axis; texture coordinates are counted from `across`.
-    fn frustum(&self, across: DVec3, along: [f64; 2], joints: [Joint; 2]) -> Option<Part> {
+    fn frustum(&self, across: DVec3, along: [f64; 2], rind: &Along, joints: [Joint; 2]) -> Option<Part> {
         let (z, [start, mut end]) = (self.axis, self.cone.radii);
         if (end - start).abs() > MOST_SLOPE * self.length {
             end = start;
@@ -249,13 +269,14 @@ impl Link {
             -above.dot(axes.x_axis) / upwards,
             -above.dot(axes.y_axis) / upwards,
         ];
+        let turn = DVec2::new(across.dot(axes.y_axis), across.dot(axes.x_axis));
+        let [radius, slope, lean, top, rise_x, rise_y] = numbers;
+        let cone = CutCone::new(radius, slope, lean, top, DVec2::new(rise_x, rise_y))?;
         Some(Part {
             primitive: Primitive::new(PrimitiveKind::Segment, &numbers)?,
             parameters: Some(numbers),
-            wrap: Wrap {
-                turn: libm::atan2(across.dot(axes.y_axis), across.dot(axes.x_axis)) / std::f64::consts::TAU,
-                along,
-            },
+            wrap: Wrap { turn: libm::atan2(turn.x, turn.y) / std::f64::consts::TAU, along },
+            rind: Some(Rind { cone, turn, along: [rind.from, rind.to], radius: rind.widest }),
             stem_from_part: DAffine3::from_mat3_translation(axes * size, self.segment.start + z * low),
             material: self.segment.material,
             origin: self.segment.origin,
@@ -270,6 +291,7 @@ impl Link {
             primitive: Primitive::new(PrimitiveKind::Sphere, &[])?,
             parameters: None,
             wrap: Wrap { turn: 0.0, along: [along; 2] },
+            rind: None,
             stem_from_part: DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(radius)), end),
             material,
             origin,

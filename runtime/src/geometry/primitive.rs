@@ -1,11 +1,14 @@
 //! The unit primitives.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 
 use super::aabb::Aabb;
 use super::ball;
 use super::chord::{Chord, Chords, Crossing};
 use super::convex::Convex;
+use super::convex_set::ConvexSet;
 use super::flat::{self, HalfSpace};
 use super::frustum;
 use super::quadric::Quadric;
@@ -19,18 +22,18 @@ use crate::form::PrimitiveKind;
 /// One of the unit solids (or surfaces) that scenes are made of, in its own frame.
 ///
 /// **Faces** are numbered: those of a cylinder, a cone or a segment 0 round, 1 below, 2 above; those of a box x = -1, x = 1, y = -1,
-/// y = 1, z = -1, z = 1; the face of a tetrahedron lies opposite the vertex of its number in the list of [`PrimitiveKind`]. All
-/// others have face 0 alone.
+/// y = 1, z = -1, z = 1; the face of a tetrahedron lies opposite the vertex of its number in the list of [`PrimitiveKind`]; those
+/// of a hull have the numbers of its [`ConvexSet::planes`]. All others have face 0 alone.
 ///
 /// **Lines that run in a face** are inside all the way or never: a line that starts on the face never, any other if the solid's
 /// inequality holds there. A line that only touches a round face does not meet it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Primitive {
     shape: Shape,
 }
 
 /// A kind with its parameters, checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Shape {
     Sphere,
     Cylinder,
@@ -45,6 +48,7 @@ enum Shape {
     Paraboloid { axes: DVec3 },
     Quadric(Quadric),
     Segment(CutCone),
+    Hull(Arc<ConvexSet>),
 }
 
 impl Primitive {
@@ -76,6 +80,7 @@ impl Primitive {
             (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => {
                 Shape::Segment(CutCone::new(radius, slope, lean, top, DVec2::new(x, y))?)
             }
+            (PrimitiveKind::Hull, numbers) => Shape::Hull(Arc::new(ConvexSet::new(numbers)?)),
             _ => return None,
         };
         Some(Self { shape })
@@ -104,6 +109,21 @@ impl Primitive {
             Shape::Torus { r } => [1.0, r],
             _ => [1.0; 2],
         }
+    }
+
+    /// The segment that is this frustum.
+    pub(super) fn of_segment(cone: CutCone) -> Self {
+        Self { shape: Shape::Segment(cone) }
+    }
+
+    /// The planes of a convex set; `None` for all other primitives.
+    pub fn hull(&self) -> Option<&ConvexSet> {
+        if let Shape::Hull(set) = &self.shape { Some(set) } else { None }
+    }
+
+    /// About how many bytes it takes besides itself.
+    pub(crate) fn bytes_apart(&self) -> usize {
+        self.hull().map_or(0, ConvexSet::bytes)
     }
 
     /// The primitive that this convex one is.
@@ -135,7 +155,11 @@ impl Primitive {
             Shape::Triangle => Convex::Triangle,
             Shape::HalfSpace(HalfSpace { normal, offset }) => Convex::HalfSpace { normal, offset },
             Shape::Segment(cone) => Convex::Segment(cone),
-            Shape::Hyperboloid { .. } | Shape::Paraboloid { .. } | Shape::Torus { .. } | Shape::Quadric(_) => {
+            Shape::Hyperboloid { .. }
+            | Shape::Paraboloid { .. }
+            | Shape::Torus { .. }
+            | Shape::Quadric(_)
+            | Shape::Hull(_) => {
                 return None;
             }
         };
@@ -158,6 +182,7 @@ impl Primitive {
             Shape::Paraboloid { .. } => PrimitiveKind::Paraboloid,
             Shape::Quadric(_) => PrimitiveKind::Quadric,
             Shape::Segment(_) => PrimitiveKind::Segment,
+            Shape::Hull(_) => PrimitiveKind::Hull,
         }
     }
 
@@ -193,6 +218,7 @@ impl Primitive {
             Shape::Paraboloid { axes } => sheet::paraboloid_support(*axes * direction),
             Shape::Quadric(quadric) => quadric.support(direction),
             Shape::Segment(cone) => cone.support(direction),
+            Shape::Hull(set) => set.support(direction),
         }
     }
 
@@ -201,7 +227,7 @@ impl Primitive {
     /// With `from`, the ray starts on that face: of the face's crossings the one nearest 0 is exactly at 0, and the other is
     /// found as if the start were exactly on it. So a ray that leaves a convex solid never meets it again.
     #[inline]
-    pub fn chords(&self, ray: &Ray, from: Option<u8>) -> Chords {
+    pub fn chords(&self, ray: &Ray, from: Option<u16>) -> Chords {
         if !is_in_range(ray) {
             return self.rescaled_chords(ray, from);
         }
@@ -220,7 +246,7 @@ impl Primitive {
 
     /// The one chord of a convex solid.
     #[inline]
-    fn convex_chord(&self, ray: &Ray, from: Option<u8>) -> Option<Chord> {
+    fn convex_chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
         let (origin, direction) = (ray.origin, ray.direction);
         match &self.shape {
             Shape::Sphere => Chord::of_span(ball::span(origin, direction, from.is_some())?),
@@ -237,13 +263,14 @@ impl Primitive {
                 Chord::of_span(sheet::paraboloid(origin / axes, direction / axes, from.is_some())?)
             }
             Shape::Segment(cone) => cone.chord(ray, from),
+            Shape::Hull(set) => set.chord(ray, from),
             Shape::Triangle | Shape::Torus { .. } | Shape::Quadric(_) => None,
         }
     }
 
     /// The chords for a direction so long or so short that its square is out of range: the same line in other units.
     #[cold]
-    fn rescaled_chords(&self, ray: &Ray, from: Option<u8>) -> Chords {
+    fn rescaled_chords(&self, ray: &Ray, from: Option<u16>) -> Chords {
         let Some(scale) = power_of_two_below(ray.direction.abs().max_element()) else {
             return Chords::new();
         };
@@ -261,7 +288,7 @@ impl Primitive {
     ///
     /// A ray that starts on the surface (`from`) does not meet it.
     #[inline]
-    pub fn crossing(&self, ray: &Ray, from: Option<u8>) -> Option<Crossing> {
+    pub fn crossing(&self, ray: &Ray, from: Option<u16>) -> Option<Crossing> {
         match self.shape {
             Shape::Triangle if from.is_none() => flat::triangle(ray),
             _ => None,
@@ -269,9 +296,9 @@ impl Primitive {
     }
 
     /// Whether the normal of a face is the same all over it.
-    pub(crate) fn is_flat(&self, face: u8) -> bool {
+    pub(crate) fn is_flat(&self, face: u16) -> bool {
         match self.shape {
-            Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) => true,
+            Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) | Shape::Hull(_) => true,
             Shape::Cylinder | Shape::Cone { .. } | Shape::Segment(_) => face != frustum::SIDE,
             Shape::Sphere
             | Shape::Ellipsoid { .. }
@@ -285,7 +312,7 @@ impl Primitive {
     /// The normal of a face at a point of it: outwards, of length 1. A triangle's is up.
     ///
     /// Where there is none, as at a cone's apex, it is a direction that leads out.
-    pub fn normal(&self, point: DVec3, face: u8) -> DVec3 {
+    pub fn normal(&self, point: DVec3, face: u16) -> DVec3 {
         match &self.shape {
             Shape::Sphere => unit(point),
             Shape::Cylinder => frustum::normal(1.0, 1.0, point, face),
@@ -300,6 +327,7 @@ impl Primitive {
             Shape::Paraboloid { axes } => unit(sheet::paraboloid_gradient(point / axes) / axes),
             Shape::Quadric(quadric) => quadric.normal(point),
             Shape::Segment(cone) => cone.normal(point, face),
+            Shape::Hull(set) => set.normal(face),
         }
     }
 }

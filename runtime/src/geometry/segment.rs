@@ -66,7 +66,7 @@ impl CutCone {
     }
 
     #[inline]
-    fn radius_at(&self, z: f64) -> f64 {
+    pub(super) fn radius_at(&self, z: f64) -> f64 {
         self.radius + self.slope * z
     }
 
@@ -116,7 +116,7 @@ impl CutCone {
 
     /// The part of a line inside.
     #[inline]
-    pub(super) fn chord(&self, ray: &Ray, from: Option<u8>) -> Option<Chord> {
+    pub(super) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
         let on_surface = from == Some(SIDE);
         let (o, d) = (ray.origin, ray.direction);
         let shift = if on_surface { 0.0 } else { nearest(o, d, DVec3::new(0.0, 0.0, 0.5 * self.top)) };
@@ -143,7 +143,7 @@ impl CutCone {
     }
 
     /// The outward normal of a face at a point of it, of any length.
-    pub(super) fn outwards(&self, point: DVec3, face: u8) -> DVec3 {
+    pub(super) fn outwards(&self, point: DVec3, face: u16) -> DVec3 {
         match face {
             BOTTOM => DVec3::new(self.lean, 0.0, -1.0),
             TOP => (-self.rise).extend(1.0),
@@ -152,7 +152,7 @@ impl CutCone {
     }
 
     /// The outward normal of a face at a point of it.
-    pub(super) fn normal(&self, point: DVec3, face: u8) -> DVec3 {
+    pub(super) fn normal(&self, point: DVec3, face: u16) -> DVec3 {
         if face == SIDE { side_normal(self.slope, point) } else { unit(self.outwards(point, face)) }
     }
 
@@ -165,6 +165,23 @@ impl CutCone {
         self.rims().into_iter().flatten().map(reach).fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// How far it is along the nappe's line in a direction from the axis, of length 1, to a height: 0 at the cut below and 1 at that
+    /// above.
+    pub(super) fn part_along(&self, height: f64, outwards: DVec2) -> f64 {
+        let low = self.crossing(0.0, DVec2::new(self.lean, 0.0), outwards);
+        (height - low) / (self.crossing(self.top, self.rise, outwards) - low)
+    }
+
+    /// The height of that line.
+    pub(super) fn height_of_line(&self, outwards: DVec2) -> f64 {
+        self.crossing(self.top, self.rise, outwards) - self.crossing(0.0, DVec2::new(self.lean, 0.0), outwards)
+    }
+
+    /// The greater radius where its axis is cut.
+    pub(super) fn widest(&self) -> f64 {
+        self.radius.max(self.radius_at(self.top))
+    }
+
     /// Texture coordinates of a point on the surface.
     ///
     /// The first goes once round the axis, from x towards y: 0 or more, below 1. The second goes along each straight line of the
@@ -174,9 +191,7 @@ impl CutCone {
         let around = turn - turn.floor();
         let across = point.truncate();
         let outwards = if across.length() > 0.0 { across / across.length() } else { DVec2::X };
-        let low = self.crossing(0.0, DVec2::new(self.lean, 0.0), outwards);
-        let high = self.crossing(self.top, self.rise, outwards);
-        let part = ((point.z - low) / (high - low)).clamp(0.0, 1.0);
+        let part = self.part_along(point.z, outwards).clamp(0.0, 1.0);
         // A turn of less than half an ulp below 0 rounds to a whole one.
         [if around < 1.0 { around } else { 0.0 }, wrap.along[0] + (wrap.along[1] - wrap.along[0]) * part]
     }

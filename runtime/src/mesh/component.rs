@@ -54,6 +54,11 @@ impl Painted {
         self.surfaces.iter().map(|(material, surface)| (*material, surface))
     }
 
+    /// The surfaces themselves.
+    pub(crate) fn into_surfaces(self) -> impl Iterator<Item = (Option<MaterialId>, Surface)> {
+        self.surfaces.into_iter()
+    }
+
     /// How many triangles there are.
     pub fn triangles(&self) -> u64 {
         self.surfaces.iter().map(|it| it.1.triangles().len() as u64).sum()

@@ -14,10 +14,26 @@ mod solid;
 mod stem;
 mod subdivide;
 mod surface;
+pub(crate) mod walk;
 
+use crate::geometry::Part;
 pub use component::{Component, Instance, Instances, LeftOut, Mesh, Painted, Placed, WhatLeftOut};
 pub use model::mesh;
+
 pub use surface::{Mapping, Surface, Vertex};
+
+/// The surface of a stem, from all its parts in order, in their frame.
+pub(crate) fn stem(parts: &[Part], surface: StemSurface) -> Painted {
+    let mut painted = Painted::default();
+    stem::add(parts, surface, &mut painted);
+    painted.drop_empty();
+    painted
+}
+
+/// How many triangles that has at least.
+pub(crate) fn least_triangles(parts: &[Part], surface: StemSurface) -> u64 {
+    surface.least_triangles() * parts.len() as u64
+}
 
 /// How the surface of stems is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 use super::surface::Surface;
 use crate::form::PrimitiveKind;
-use crate::geometry::{Primitive, Ray};
+use crate::geometry::{ConvexSet, Primitive, Ray};
 
 /// How many flat pieces go round a primitive.
 const SLICES: u32 = 16;
@@ -32,6 +32,7 @@ pub(super) fn mesh(primitive: &Primitive) -> Option<Surface> {
         PrimitiveKind::Triangle => facet([DVec3::ZERO, DVec3::X, DVec3::Y], &mut surface),
         PrimitiveKind::Quadric => quadric(primitive, &mut surface)?,
         PrimitiveKind::Segment => super::stem::single(primitive, &mut surface),
+        PrimitiveKind::Hull => hull(primitive.hull()?, &mut surface)?,
         PrimitiveKind::HalfSpace | PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => return None,
     }
     Some(surface)
@@ -157,6 +158,22 @@ fn tetrahedron(surface: &mut Surface) {
     for corners in [[b, d, c], [a, c, d], [a, d, b], [a, b, c]] {
         facet(corners, surface);
     }
+}
+
+/// The faces of a convex set; `None` if it does not end.
+fn hull(set: &ConvexSet, surface: &mut Surface) -> Option<()> {
+    if set.open().is_some() {
+        return None;
+    }
+    for (number, plane) in set.planes().iter().enumerate().take(if set.is_empty() { 0 } else { usize::MAX }) {
+        let face = set.face(number);
+        let (across, size) = (plane.normal.any_orthonormal_vector(), set.reach());
+        let aside = plane.normal.cross(across);
+        let corners: Vec<(DVec3, DVec2)> =
+            face.iter().map(|it| (*it, DVec2::new(it.dot(across), it.dot(aside)) / (2.0 * size) + 0.5)).collect();
+        fan(&corners, plane.normal, false, surface);
+    }
+    Some(())
 }
 
 /// A flat triangle.

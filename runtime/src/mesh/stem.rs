@@ -92,7 +92,8 @@ pub(super) fn add_ball(part: &Part, surface: &mut Surface) {
 pub(super) fn single(primitive: &Primitive, surface: &mut Surface) {
     let wrap = Wrap { turn: 0.0, along: [0.0, 1.0] };
     let part = Part {
-        primitive: *primitive,
+        rind: None,
+        primitive: primitive.clone(),
         parameters: None,
         wrap,
         stem_from_part: glam::DAffine3::IDENTITY,

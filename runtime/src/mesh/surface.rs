@@ -42,6 +42,27 @@ impl Surface {
         })
     }
 
+    /// The normal at a point of the triangle of this number, outwards, of any length.
+    pub(crate) fn normal(&self, triangle: usize, point: DVec3) -> DVec3 {
+        let parts = self.parts(triangle, point);
+        self.triangles[triangle]
+            .iter()
+            .zip(parts)
+            .map(|(it, part)| double(self.vertices[*it as usize].normal) * part)
+            .sum()
+    }
+
+    /// Which part each corner of a triangle has in a point of it: together 1.
+    fn parts(&self, triangle: usize, point: DVec3) -> [f64; 3] {
+        let [a, b, c] = self.triangles[triangle].map(|it| double(self.vertices[it as usize].position));
+        let across = (b - a).cross(c - a);
+        // Beyond its edges, where a sample may lie by a rounding, it goes on as at them.
+        let part = |from: DVec3, to: DVec3| ((to - from).cross(point - from).dot(across)).max(0.0);
+        let parts = [part(b, c), part(c, a), part(a, b)];
+        let sum = parts.iter().sum::<f64>();
+        if sum > 0.0 { parts.map(|it| it / sum) } else { [1.0, 0.0, 0.0] }
+    }
+
     /// Adds a vertex; gives its number.
     pub(super) fn vertex(&mut self, position: DVec3, normal: DVec3, texture: DVec2) -> u32 {
         self.vertices.push(Vertex {
@@ -72,6 +93,10 @@ impl Surface {
         self.vertices.extend(other.vertices.iter().map(|it| map.vertex(it)));
         self.triangles.extend(other.triangles.iter().map(|it| map.triangle(it.map(|corner| corner + first))));
     }
+}
+
+fn double(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
 }
 
 /// A coordinate beyond single precision is kept within it, so that files hold numbers only.

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::form::{Camera, Lens};
 use crate::geometry::Ray;
+use crate::scan::Projection;
 use crate::trace::Beam;
 
 /// A camera ready to send rays through the pixels of a picture.
@@ -54,6 +55,12 @@ impl Rays {
         }
         let ray = Ray { origin: self.eye, direction: (self.forward + across).normalize() };
         Beam { ray, width: 0.0, spread: girth }
+    }
+
+    /// The same camera for scan conversion.
+    pub(super) fn projection(&self) -> Projection {
+        let Self { eye, forward, right, up, middle, pixel, parallel, .. } = *self;
+        Projection { eye, forward, right, up, middle, pixel, parallel }
     }
 
     /// How wide a pixel is at a distance.

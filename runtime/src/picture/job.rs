@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::camera::Rays;
@@ -14,9 +14,10 @@ use super::sampling::filter_offset;
 use super::shade::Shader;
 use super::tile::{Painter, Setting, Stop};
 use super::view::View;
-use super::{Layers, Picture, RayCounts, Rect, Watch};
+use super::{Eyes, Layers, Picture, RayCounts, Rect, Watch};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Camera, Origin, Scene};
+use crate::scan::Shadows;
 use crate::trace::Tracer;
 
 /// Renders what the view says.
@@ -24,13 +25,23 @@ pub(super) fn render(
     scene: &Scene,
     view: &View,
     camera: &Camera,
-    tracer: &dyn Tracer,
+    eyes: &Eyes<'_>,
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
     let rays = Rays::new(camera, view.width, view.height, view.detail);
-    let shader = Shader::new(scene, Lights::new(scene, &rays));
+    let lights = Lights::new(scene, &rays);
+    let shadows;
+    let (tracer, scanner): (&dyn Tracer, _) = match eyes {
+        Eyes::Trace(tracer) => (*tracer, None),
+        Eyes::Scan(scanner) => {
+            let suns: Vec<DVec3> = lights.suns.iter().map(|it| it.toward).collect();
+            shadows = Shadows::new(scanner, &suns, &rays.projection(), watch);
+            (&shadows, Some(*scanner))
+        }
+    };
+    let shader = Shader::new(scene, lights);
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
-    let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, watch };
+    let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, scanner, watch };
     let job = Job::new(setting, blank(view, scene));
     // Each of these takes tile after tile, so that buffers are made once a thread.
     (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());

@@ -27,12 +27,15 @@ mod write_png;
 
 use crate::fault::Fault;
 use crate::form::{Camera, Scene};
+use crate::limits::Limits;
+use crate::scan::Scanner;
 use crate::trace::Tracer;
+use crate::trace::cells::{CellTracer, Culling};
 
 pub use framing::frame;
 pub use light::EXPOSURE;
 pub use mirror::MAX_BOUNCES;
-pub use view::{MAX_PIXELS, MAX_SAMPLES};
+pub use view::{MAX_CELLS, MAX_PIXELS, MAX_SAMPLES};
 pub use write_exr::write_exr;
 pub use write_png::write_png;
 
@@ -162,9 +165,34 @@ pub fn render(
     watch: &dyn Watch,
 ) -> Result<Picture, Fault> {
     let view = view::View::new(scene, options)?;
-    let camera = match &scene.camera {
-        Some(camera) => camera.clone(),
-        None => frame(tracer, view.width, view.height)?,
-    };
-    job::render(scene, &view, &camera, tracer, watch)
+    let camera = scene.camera.clone().map_or_else(|| frame(tracer, view.width, view.height), Ok)?;
+    job::render(scene, &view, &camera, &Eyes::Trace(tracer), watch)
+}
+
+/// Makes a picture of a scene by scan conversion, on the threads of the rayon pool it is called in. A heatmap is all black: no ray does
+/// any work.
+///
+/// A scene without a camera is framed as the ray tracer frames it, which is asked for that.
+///
+/// # Errors
+/// As [`render`].
+pub fn scan(
+    scene: &Scene,
+    scanner: &Scanner,
+    limits: &Limits,
+    options: &RenderOptions,
+    watch: &dyn Watch,
+) -> Result<Picture, Fault> {
+    let view = view::View::new(scene, options)?;
+    let framed = || frame(&CellTracer::new(scene, limits, Culling::State)?, view.width, view.height);
+    let camera = scene.camera.clone().map_or_else(framed, Ok)?;
+    job::render(scene, &view, &camera, &Eyes::Scan(scanner), watch)
+}
+
+/// Who sees what the camera sees.
+enum Eyes<'a> {
+    /// Rays are traced.
+    Trace(&'a dyn Tracer),
+    /// Things are drawn.
+    Scan(&'a Scanner),
 }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::color::{linear, within};
-use crate::eval::spread;
-use crate::form::{Material, MaterialId, Scene, Space, TextureId};
+use crate::eval::{fraction, spread};
+use crate::form::{Material, MaterialId, Scene, Space, Texture, TextureId};
 use crate::texture::Field;
 
 /// A material, ready for use.
@@ -16,8 +16,11 @@ pub(super) struct Paint {
     pub(super) gloss: Option<Gloss>,
     /// How much of what is seen straight in it is a mirror image.
     pub(super) mirror: f64,
+    /// How much of the light that it scatters comes through from the other side.
+    pub(super) translucent: f64,
     pub(super) shade: Option<Shade>,
     pub(super) bump: Option<Bump>,
+    pub(super) relief: Option<Bump>,
 }
 
 /// A texture that shades a colour.
@@ -67,10 +70,12 @@ pub(super) struct Paints {
 impl Paints {
     pub(super) fn new(scene: &Scene) -> Self {
         let plain = Material::default();
-        let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, scene)).collect();
+        // Materials with one texture share it, and what it keeps in memory.
+        let patterns: Vec<Pattern> = scene.textures.iter().map(|it| Pattern::new(it, scene.seed)).collect();
+        let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, &patterns)).collect();
         Self {
             mirrors: paints.iter().any(|it| it.mirror > 0.0),
-            textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some()),
+            textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some() || it.relief.is_some()),
             paints,
         }
     }
@@ -84,7 +89,8 @@ impl Paints {
 }
 
 impl Paint {
-    fn new(material: &Material, scene: &Scene) -> Self {
+    fn new(material: &Material, patterns: &[Pattern]) -> Self {
+        let pattern = |it: TextureId| patterns.get(it.0 as usize).cloned();
         let srgb = DVec3::from_array(material.color);
         let range = DVec3::from_array(material.range);
         let shade = |pattern| Shade { pattern, amount: within(material.amount, 1.0) };
@@ -95,8 +101,10 @@ impl Paint {
             linear: linear(srgb),
             gloss: Gloss::new(material.gloss),
             mirror: within(material.mirror, 1.0),
-            shade: material.shade.and_then(|it| Pattern::new(it, scene)).map(shade),
-            bump: material.bump.and_then(|it| Pattern::new(it, scene)).map(bump),
+            translucent: within(material.translucent, 1.0),
+            shade: material.shade.and_then(pattern).map(shade),
+            bump: material.bump.and_then(pattern).map(bump),
+            relief: material.relief.filter(|_| material.depth > 0.0).and_then(pattern).map(bump),
         }
     }
 
@@ -110,9 +118,8 @@ impl Paint {
 }
 
 impl Pattern {
-    fn new(texture: TextureId, scene: &Scene) -> Option<Self> {
-        let texture = scene.textures.get(texture.0 as usize)?;
-        Some(Self { space: texture.space, field: Field::new(texture, scene.seed) })
+    fn new(texture: &Texture, seed: u64) -> Self {
+        Self { space: texture.space, field: Field::new(texture, seed) }
     }
 }
 
@@ -120,7 +127,7 @@ impl Pattern {
 pub(crate) fn varied(color: DVec3, range: DVec3, route: u64) -> DVec3 {
     let red = spread(route);
     let green = spread(red);
-    color + range * DVec3::new(uniform(red), uniform(green), uniform(spread(green)))
+    color + range * DVec3::new(fraction(red), fraction(green), fraction(spread(green)))
 }
 
 impl Gloss {
@@ -150,9 +157,4 @@ impl Gloss {
         let fade = (normal.dot(toward) * 8.0).min(1.0);
         self.strength * fade * (cosine + (cosine * cosine - cosine) * self.part)
     }
-}
-
-/// A number from 0 to 1, without 1.
-fn uniform(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1u64 << 53) as f64
 }

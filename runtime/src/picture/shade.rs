@@ -199,10 +199,16 @@ impl Shader {
     fn shown(&self, fragment: &Fragment, skin: Option<&Skin>, lit: &Lit, beam: &Beam) -> Shown {
         let (paint, sky) = (self.paints.of(fragment.material), &self.lights.sky);
         let direction = beam.ray.direction;
-        let (normal, tone) = skin.map_or((fragment.normal, 1.0), |it| (it.normal, it.tone));
-        let light = sky.on(normal * (1.0 - fragment.spread)) + lit.matt;
+        let normal = skin.map_or(fragment.normal, |it| it.normal);
+        let own = paint.color(fragment.route);
+        let own = skin.map_or(own, |it| it.color(own));
+        let mean = normal * (1.0 - fragment.spread);
+        let mut light = sky.on(mean) + lit.matt;
+        if paint.translucent > 0.0 {
+            light += (sky.on(-mean) - sky.on(mean)) * paint.translucent;
+        }
         let image = share(paint.mirror, direction, normal);
-        let color = paint.color(fragment.route) * tone * light * (1.0 - image) + lit.gloss;
+        let color = own * light * (1.0 - image) + lit.gloss;
         if self.lights.haze == 0.0 {
             return Shown { color, image };
         }

@@ -6,7 +6,8 @@ use super::color::within;
 use super::paint::{Bump, Paint, Paints, Pattern, Shade};
 use super::shade::Pass;
 use crate::form::Space;
-use crate::texture::{Footprint, Tone};
+use crate::geometry::Hide;
+use crate::texture::{Footprint, Laid, Tint};
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
 /// The skins of a batch's fragments.
@@ -26,8 +27,9 @@ impl Skins {
         for (ray, fragments) in seen.rays().enumerate() {
             let beam = pass.beam(ray as u32);
             for fragment in fragments {
-                let painted = seen.painted(self.skins.len());
-                self.skins.push(Skin::new(fragment, painted, paints.of(fragment.material), beam));
+                let number = self.skins.len();
+                let places = Places { painted: seen.painted(number), on_stem: seen.on_stem(number) };
+                self.skins.push(Skin::new(fragment, &places, paints.of(fragment.material), beam));
             }
         }
     }
@@ -39,37 +41,88 @@ impl Skins {
     }
 }
 
+/// Where a fragment is for the textures of its paint.
+struct Places<'p> {
+    /// In the frame of the paint.
+    painted: Option<&'p Painted>,
+    /// On the rind of a stem.
+    on_stem: Option<&'p Painted>,
+}
+
 /// The surface of a fragment as light finds it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Skin {
     /// The normal, turned by what the surface's bumps are.
     pub(super) normal: DVec3,
-    /// By how much its colour is shaded: 1 is not at all.
-    pub(super) tone: f64,
+    /// By how much the parts of its colour are shaded: 1 is not at all.
+    pub(super) tone: DVec3,
+    /// What takes the place of its colour.
+    pub(super) tint: Option<Tint>,
     /// Whether the normal was turned.
     pub(super) bumped: bool,
+    /// Whether it really rises and falls: then the fragment's own normal is that of the smooth surface under it.
+    pub(super) real: bool,
 }
 
 impl Skin {
+    /// The colour of a surface that would have this one.
+    pub(super) fn color(&self, color: DVec3) -> DVec3 {
+        let color = color * self.tone;
+        self.tint.map_or(color, |it| it.color + color * (1.0 - it.cover))
+    }
+
     /// Of a fragment that a beam met.
-    fn new(fragment: &Fragment, painted: Option<&Painted>, paint: &Paint, beam: &Beam) -> Self {
-        let mut skin = Self { normal: fragment.normal, tone: 1.0, bumped: false };
-        if paint.shade.is_none() && paint.bump.is_none() {
+    fn new(fragment: &Fragment, places: &Places<'_>, paint: &Paint, beam: &Beam) -> Self {
+        let mut skin = Self { normal: fragment.normal, tone: DVec3::ONE, tint: None, bumped: false, real: false };
+        if paint.shade.is_none() && paint.bump.is_none() && paint.relief.is_none() {
             return skin;
         }
         let footprint = footprint(fragment, beam);
         if let Some(Shade { pattern, amount }) = &paint.shade {
-            let value =
-                met(pattern, fragment, painted, &footprint).map_or_else(|| pattern.field.mean(), |it| it.0.value);
-            skin.tone = 1.0 - amount * (1.0 - within(value, 1.0));
+            let Pattern { field, .. } = pattern;
+            let place = met(pattern, fragment, places, &footprint);
+            let tint = match &place {
+                Some(it) => field.tint(it.point, &it.footprint),
+                None => field.mean_tint(),
+            };
+            match tint {
+                Some(tint) => {
+                    skin.tint = Some(Tint { color: tint.color * *amount, cover: within(tint.cover * amount, 1.0) });
+                }
+                None => {
+                    let color =
+                        place.map_or_else(|| field.mean_color(), |it| field.color(it.laid, it.point, &it.footprint));
+                    skin.tone = color.to_array().map(|it| 1.0 - amount * (1.0 - within(it, 1.0))).into();
+                }
+            }
+        }
+        if let Some(relief) = &paint.relief {
+            skin.rise(relief, fragment, places, &footprint);
         }
         if let Some(Bump { pattern, depth }) = &paint.bump
-            && let Some((tone, pattern_from_world)) = met(pattern, fragment, painted, &footprint)
-            && let Some(normal) = turned(fragment.normal, tone.slope * *depth, &pattern_from_world)
+            && let Some(met) = met(pattern, fragment, places, &footprint)
+            && let Some(normal) = turned(skin.normal, met.slope(pattern) * *depth, &met.pattern_from_world)
         {
             (skin.normal, skin.bumped) = (normal, true);
         }
         skin
+    }
+
+    /// Turns the normal by a relief, which is real on stems.
+    fn rise(&mut self, relief: &Bump, fragment: &Fragment, places: &Places<'_>, footprint: &Footprint) {
+        let Bump { pattern, depth } = relief;
+        let (met, depth) = match places.on_stem {
+            Some(place) => {
+                let radius = place.position.truncate().length();
+                (Some(Met::at(Laid::Round, place, footprint)), Hide::share(*depth, radius) * radius)
+            }
+            None => (met(pattern, fragment, places, footprint), *depth),
+        };
+        if let Some(met) = met
+            && let Some(normal) = turned(fragment.normal, met.slope(pattern) * depth, &met.pattern_from_world)
+        {
+            (self.normal, self.bumped, self.real) = (normal, true, places.on_stem.is_some());
+        }
     }
 }
 
@@ -80,21 +133,36 @@ fn footprint(fragment: &Fragment, beam: &Beam) -> Footprint {
     Footprint::new(direction, beam.width_at(fragment.depth), normal)
 }
 
-/// What a pattern is where a fragment lies, and how directions of the world are mapped to what it is measured in. None where the
-/// fragment has no place there: it stands for many things.
-fn met(
-    pattern: &Pattern,
-    fragment: &Fragment,
-    painted: Option<&Painted>,
-    footprint: &Footprint,
-) -> Option<(Tone, DMat3)> {
-    match pattern.space {
-        Space::World => Some((pattern.field.at(fragment.position, footprint), DMat3::IDENTITY)),
-        Space::Object => {
-            let painted = painted?;
-            let footprint = footprint.mapped(&painted.paint_from_world);
-            Some((pattern.field.at(painted.position, &footprint), painted.paint_from_world))
+/// Where a pattern is met.
+struct Met {
+    laid: Laid,
+    point: DVec3,
+    footprint: Footprint,
+    /// How directions of the world are mapped to what it is measured in.
+    pattern_from_world: DMat3,
+}
+
+impl Met {
+    fn at(laid: Laid, painted: &Painted, footprint: &Footprint) -> Self {
+        let Painted { position: point, paint_from_world: pattern_from_world } = *painted;
+        Self { laid, point, footprint: footprint.mapped(&pattern_from_world), pattern_from_world }
+    }
+
+    fn slope(&self, pattern: &Pattern) -> DVec3 {
+        pattern.field.at_laid(self.laid, self.point, &self.footprint).slope
+    }
+}
+
+/// Where a pattern is met by a fragment. None where the fragment has no place there: it stands for many things.
+fn met(pattern: &Pattern, fragment: &Fragment, places: &Places<'_>, footprint: &Footprint) -> Option<Met> {
+    let (point, pattern_from_world) = (fragment.position, DMat3::IDENTITY);
+    match (pattern.space, places) {
+        (Space::World, _) => Some(Met { laid: Laid::Flat, point, footprint: *footprint, pattern_from_world }),
+        (Space::Stem, Places { on_stem: Some(place), .. }) => Some(Met::at(Laid::Round, place, footprint)),
+        (Space::Object | Space::Stem, Places { painted: Some(place), .. }) => {
+            Some(Met::at(Laid::Flat, place, footprint))
         }
+        (Space::Object | Space::Stem, Places { painted: None, .. }) => None,
     }
 }
 

@@ -6,9 +6,9 @@ use super::color::within;
 use super::light::SunLight;
 use super::paint::Paints;
 use super::shade::{Key, Pass};
-use super::skin::Skins;
+use super::skin::{Skin, Skins};
 use crate::geometry::Ray;
-use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
+use crate::trace::{Beam, Fragment, RayFault, Seen, SurfaceBeam, Tracer};
 
 /// The light of suns on a fragment.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,6 +22,8 @@ pub(super) struct Lit {
 pub(super) struct Sunlight {
     owners: Vec<Owner>,
     shadow_beams: Vec<SurfaceBeam>,
+    /// The normals of the surfaces that they start on.
+    shadow_normals: Vec<DVec3>,
     /// Fragments that face the light, each with its shadow beam.
     aimed: Vec<(u32, u32)>,
     /// How much light comes along each of them.
@@ -41,7 +43,7 @@ struct Owner {
 }
 
 /// How many shadow beams the fragments of one ray have at most.
-const LAYERS: f64 = 4.0;
+const LAYERS: f64 = 2.0;
 
 /// How soon light comes to a bumped surface that turns towards it.
 const DAWN: f64 = 8.0;
@@ -64,7 +66,7 @@ impl Sunlight {
         self.lit.resize(seen.fragments().len(), Lit::default());
         for (number, sun) in suns.iter().enumerate() {
             let last = number + 1 == suns.len() && !paints.mirrors;
-            self.aim(sun, last, pass, seen, skins);
+            self.aim(sun, last, paints, pass, (seen, skins));
             self.trace(tracer)?;
             self.light(sun, paints, pass, seen, skins);
         }
@@ -85,26 +87,35 @@ impl Sunlight {
         }
     }
 
-    /// Collects the shadow beams of one sun, of all fragments that face it.
-    fn aim<B: AsRef<Beam>>(&mut self, sun: &SunLight, last: bool, pass: &Pass<'_, B>, seen: &mut Seen, skins: &Skins) {
+    /// Collects the shadow beams of one sun, of all fragments that face it or that its light comes through.
+    fn aim<B: AsRef<Beam>>(
+        &mut self,
+        sun: &SunLight,
+        last: bool,
+        paints: &Paints,
+        pass: &Pass<'_, B>,
+        (seen, skins): (&mut Seen, &Skins),
+    ) {
         self.shadow_beams.clear();
+        self.shadow_normals.clear();
         self.aimed.clear();
         let mut shared = None;
         for (number, (fragment, owner)) in seen.fragments_mut().iter_mut().zip(&self.owners).enumerate() {
-            let faces = |normal: DVec3| normal.dot(sun.toward) > 0.0;
-            let faces_away = !faces(fragment.normal) || skins.of(number).is_some_and(|it| !faces(it.normal));
-            if fragment.spread == 0.0 && faces_away {
+            let side = Side::of(fragment, skins.of(number), sun);
+            if side == Side::Neither || side == Side::Far && paints.of(fragment.material).translucent == 0.0 {
                 continue;
             }
             if shared != Some(*owner) {
                 shared = Some(*owner);
                 // The last one who asks takes the site instead of copying it.
                 let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
+                let from = if side == Side::Far { from.through() } else { from };
                 let beam = pass.beam(owner.ray);
                 let Key { pixel, sample, .. } = pass.keys[owner.ray as usize];
                 let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
                 let width = beam.width_at(fragment.depth);
                 self.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
+                self.shadow_normals.push(fragment.normal);
             }
             self.aimed.push((number as u32, self.shadow_beams.len() as u32 - 1));
         }
@@ -117,7 +128,7 @@ impl Sunlight {
             return Ok(());
         }
         self.count += self.shadow_beams.len() as u64;
-        tracer.light(&self.shadow_beams, &mut self.light).map_err(|RayFault { ray, fault }| {
+        tracer.light_on(&self.shadow_beams, &self.shadow_normals, &mut self.light).map_err(|RayFault { ray, fault }| {
             let first = self.aimed.iter().find(|(_, beam)| *beam as usize == ray);
             let owner = first.and_then(|(fragment, _)| self.owners.get(*fragment as usize));
             RayFault { ray: owner.map_or(0, |it| it.ray as usize), fault }
@@ -142,19 +153,57 @@ impl Sunlight {
             if light == 0.0 {
                 continue;
             }
-            if skin.is_some_and(|it| it.bumped) && fragment.spread == 0.0 {
+            if skin.is_some_and(|it| it.bumped && !it.real) && fragment.spread == 0.0 {
                 // Bumps that face the sun would else be cut off where the surface beneath them turns away.
-                light *= (fragment.normal.dot(sun.toward) * DAWN).min(1.0);
+                light *= (fragment.normal.dot(sun.toward).abs() * DAWN).min(1.0);
             }
             let lit = &mut self.lit[number];
-            lit.matt += sun.color * (facing(normal, fragment.spread, sun.toward) * light);
-            if let Some(gloss) = paints.of(fragment.material).gloss {
+            let paint = paints.of(fragment.material);
+            lit.matt += sun.color * (falling(paint.translucent, normal, fragment.spread, sun.toward) * light);
+            let is_far = fragment.spread == 0.0 && normal.dot(sun.toward) < 0.0;
+            if let Some(gloss) = paint.gloss.filter(|_| !is_far) {
                 let direction = pass.beam(self.owners[number].ray).ray.direction;
                 let highlight = gloss.highlight(normal, sun.toward, direction) * (1.0 - fragment.spread);
                 lit.gloss += sun.color * (highlight * light);
             }
         }
     }
+}
+
+/// The side of a surface that a light falls on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// The one that is seen, or both where normals differ.
+    Near,
+    /// The other one.
+    Far,
+    /// None: the surface and its bumps do not agree.
+    Neither,
+}
+
+impl Side {
+    /// That of a fragment whose normal the bumps of its skin turn.
+    fn of(fragment: &Fragment, skin: Option<&Skin>, sun: &SunLight) -> Self {
+        let faces = |normal: DVec3| normal.dot(sun.toward) > 0.0;
+        let turned = skin.map_or(fragment.normal, |it| it.normal);
+        let smooth = if skin.is_some_and(|it| it.real) { turned } else { fragment.normal };
+        match (faces(smooth), faces(turned)) {
+            _ if fragment.spread > 0.0 => Self::Near,
+            (true, true) => Self::Near,
+            (false, false) => Self::Far,
+            (true, false) | (false, true) => Self::Neither,
+        }
+    }
+}
+
+/// How much of a light is scattered towards who looks at a surface: what falls on the side that is seen, and of what falls on the
+/// other side the part that comes through.
+fn falling(translucent: f64, normal: DVec3, spread: f64, toward: DVec3) -> f64 {
+    if translucent == 0.0 {
+        return facing(normal, spread, toward);
+    }
+    let [near, far] = [normal, -normal].map(|it| facing(it, spread, toward).max(0.0));
+    near + (far - near) * translucent
 }
 
 /// How much of a light falls on a surface: the cosine, or the mean of the cosines where normals differ so much.

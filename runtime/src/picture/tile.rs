@@ -8,10 +8,14 @@ use super::shade::{Key, Scratch, Shader};
 use super::view::View;
 use super::{RayCounts, Rect, Watch};
 use crate::fault::Fault;
+use crate::scan::{Frame, Room, Scanner};
 use crate::trace::{Beam, RayFault, Seen, Tracer};
 
 /// How many rays go to the tracer at once: enough for its packets, few enough that their samples stay in cache.
 const BATCH: usize = 256;
+
+/// How many grids of samples are drawn at once: they are to stay in cache, too, and what is there is gone through once for all of them.
+const GRIDS: usize = 16;
 
 /// All that tiles share.
 #[derive(Clone, Copy)]
@@ -21,7 +25,10 @@ pub(super) struct Setting<'a> {
     /// Where the samples of a pixel lie, from its centre; as many as it has at most.
     pub(super) offsets: &'a [DVec2],
     pub(super) shader: &'a Shader,
+    /// Who sees, and who knows of shadows and mirrors.
     pub(super) tracer: &'a dyn Tracer,
+    /// Who draws what the camera sees, if that is not for the tracer.
+    pub(super) scanner: Option<&'a Scanner>,
     pub(super) watch: &'a dyn Watch,
 }
 
@@ -48,6 +55,10 @@ pub(super) struct Painter<'a> {
     keys: Vec<Key>,
     beams: Vec<Beam>,
     seen: Seen,
+    /// What the scanner has drawn: the first of its grids has the samples of this number.
+    frame: Frame,
+    first_grid: u32,
+    room: Room,
     work: Vec<u32>,
     scratch: Scratch,
     camera_count: u64,
@@ -65,6 +76,9 @@ impl<'a> Painter<'a> {
             keys: Vec::new(),
             beams: Vec::new(),
             seen: Seen::default(),
+            frame: Frame::new(setting.rays.projection()),
+            first_grid: 0,
+            room: Room::default(),
             work: Vec::new(),
             scratch: Scratch::default(),
             camera_count: 0,
@@ -84,7 +98,7 @@ impl<'a> Painter<'a> {
     pub(super) fn paint(&mut self, rect: &Rect) -> Result<(&[Pixel], &[Option<Hit>]), Stop> {
         let order = std::mem::take(&mut self.order);
         let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
-        let result = self.run(inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)));
+        let result = self.run(*rect, inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)));
         self.order = order;
         match result {
             Ok(()) => Ok((&self.pixels, &self.centres)),
@@ -97,7 +111,8 @@ impl<'a> Painter<'a> {
     fn lowest(&mut self, rect: &Rect, known: (u32, u32), fault: Box<Fault>) -> Stop {
         for y in rect.y..rect.y + rect.height {
             for x in rect.x..rect.x + rect.width {
-                if let Err(stop) = self.run(std::iter::once((x, y))) {
+                let pixel = Rect { x, y, width: 1, height: 1 };
+                if let Err(stop) = self.run(pixel, std::iter::once((x, y))) {
                     return stop;
                 }
             }
@@ -105,7 +120,7 @@ impl<'a> Painter<'a> {
         Stop::Fault(known, fault)
     }
 
-    fn run(&mut self, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
+    fn run(&mut self, rect: Rect, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
         self.pixels.clear();
         self.pixels.extend(places.map(Pixel::new));
         self.active.clear();
@@ -120,12 +135,13 @@ impl<'a> Painter<'a> {
             self.centres.resize(self.pixels.len(), None);
         }
         if layers && samples > 1 {
+            self.draw(rect, 0, &[DVec2::ZERO])?;
             self.look_through_centres()?;
         }
         let mut done = 0;
         let mut until = samples;
         while done < until && !self.active.is_empty() {
-            self.add_samples(done, until)?;
+            self.add_samples(rect, done, until)?;
             if until == most {
                 break;
             }
@@ -151,8 +167,32 @@ impl<'a> Painter<'a> {
         Ok(())
     }
 
+    /// Draws the samples from this number on that lie at these offsets, if they are drawn.
+    fn draw(&mut self, rect: Rect, first: u32, offsets: &[DVec2]) -> Result<(), Stop> {
+        let Some(scanner) = self.setting.scanner else { return Ok(()) };
+        if self.setting.watch.interrupted() {
+            return Err(Stop::Interrupted);
+        }
+        self.first_grid = first;
+        self.frame.clear(rect, offsets);
+        scanner.fill(&mut self.frame, &mut self.room);
+        Ok(())
+    }
+
+    /// Adds the samples `from..to` to all active pixels, as many at once as are drawn at once.
+    fn add_samples(&mut self, rect: Rect, from: u32, to: u32) -> Result<(), Stop> {
+        let step = if self.setting.scanner.is_some() { GRIDS } else { (to - from) as usize };
+        let offsets = self.setting.offsets;
+        for first in (from..to).step_by(step) {
+            let end = to.min(first + step as u32);
+            self.draw(rect, first, &offsets[first as usize..end as usize])?;
+            self.add_drawn(first, end)?;
+        }
+        Ok(())
+    }
+
     /// Adds the samples `from..to` to all active pixels. Those of one pixel follow each other.
-    fn add_samples(&mut self, from: u32, to: u32) -> Result<(), Stop> {
+    fn add_drawn(&mut self, from: u32, to: u32) -> Result<(), Stop> {
         let offsets = self.setting.offsets;
         self.begin_batch();
         for number in 0..self.active.len() {
@@ -226,7 +266,14 @@ impl<'a> Painter<'a> {
 
     fn look(&mut self) -> Result<(), Stop> {
         self.count()?;
-        self.setting.tracer.look(&self.beams, &mut self.seen).map_err(|fault| self.stop(fault))
+        if self.setting.scanner.is_none() {
+            return self.setting.tracer.look(&self.beams, &mut self.seen).map_err(|fault| self.stop(fault));
+        }
+        self.seen.clear();
+        for (key, beam) in self.keys.iter().zip(&self.beams) {
+            self.frame.see((key.sample - self.first_grid) as usize, key.pixel, beam, &mut self.seen);
+        }
+        Ok(())
     }
 
     fn keep_centres(&mut self) {

@@ -2,13 +2,16 @@
 
 use super::{Rect, RenderOptions};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Origin, Scene};
+use crate::form::{Origin, Pattern, Scene};
 
 /// The most pixels that a picture has.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// The most samples that a pixel has.
 pub const MAX_SAMPLES: u32 = 4096;
+
+/// The most cells that the cubes of all textures have together: two of the largest, which take 106 MiB.
+pub const MAX_CELLS: u64 = 1 << 25;
 
 /// The size and sampling of one picture.
 #[derive(Clone, Debug)]
@@ -34,6 +37,7 @@ impl View {
         if u64::from(width) * u64::from(height) > MAX_PIXELS {
             return Err(limit(Limit::Pixels, MAX_PIXELS));
         }
+        ask_for_cells(scene)?;
         let (samples, most) = match options.samples {
             Some(samples) => (samples, None),
             None => (image.samples, image.most),
@@ -72,6 +76,20 @@ fn crop(wanted: Option<Rect>, width: u32, height: u32) -> Result<Rect, Fault> {
     inside("crop x", rect.x, rect.width, width)?;
     inside("crop y", rect.y, rect.height, height)?;
     Ok(rect)
+}
+
+/// Sees to it that the cubes of all textures together do not take too much memory, before any of them is made.
+fn ask_for_cells(scene: &Scene) -> Result<(), Fault> {
+    let mut left = MAX_CELLS;
+    for texture in &scene.textures {
+        if let Pattern::Chunks(chunks) = &texture.pattern {
+            let cells = u64::from(chunks.cube).saturating_pow(3);
+            left = left
+                .checked_sub(cells)
+                .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Cells, most: MAX_CELLS }, texture.origin))?;
+        }
+    }
+    Ok(())
 }
 
 /// Looks whether `start..start + length` lies in `0..size`.

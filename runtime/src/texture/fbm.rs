@@ -42,6 +42,20 @@ impl Octaves {
         Self(octaves)
     }
 
+    /// The length of the finest waves that are not low.
+    pub(super) fn finest(&self) -> f64 {
+        /// How high they are at least, against the largest.
+        const LEAST: f64 = 0.25;
+        let least = self.0.first().map_or(0.0, |it| it.amplitude * LEAST);
+        self.0.iter().filter(|it| it.amplitude >= least).map(|it| 1.0 / it.frequency).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The value alone, of all octaves: what [`Octaves::at`] gives for a point.
+    pub(super) fn value_at(&self, point: DVec3) -> f64 {
+        let one = |it: &Octave| it.amplitude * gradient_noise(it.seed, point * it.frequency + it.shift).value;
+        self.0.iter().fold(MEAN, |sum, it| sum + one(it))
+    }
+
     pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
         let mut tone = Tone { value: MEAN, slope: DVec3::ZERO };
         for octave in &self.0 {

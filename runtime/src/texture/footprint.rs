@@ -36,6 +36,11 @@ impl Footprint {
         Self { across: *matrix * self.across, along: *matrix * self.along }
     }
 
+    /// The deviations along its two axes.
+    pub(super) fn axes(&self) -> [DVec3; 2] {
+        [self.across, self.along]
+    }
+
     pub(super) fn scaled(&self, factors: DVec3) -> Self {
         Self { across: self.across * factors, along: self.along * factors }
     }
@@ -45,6 +50,11 @@ impl Footprint {
     pub(super) fn left_of_wave(&self, wave: DVec3) -> f64 {
         let (across, along) = (self.across.dot(wave), self.along.dot(wave));
         fade(across * across + along * along)
+    }
+
+    /// The deviation of a round spot of the same area.
+    pub(super) fn deviation(&self) -> f64 {
+        self.across.cross(self.along).length().sqrt()
     }
 
     /// How much is left of waves of all directions, of so many radians a metre.

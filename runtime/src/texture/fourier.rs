@@ -49,6 +49,11 @@ impl Terms {
         Self { phase: fourier.phase, terms }
     }
 
+    /// The length of the finest waves.
+    pub(super) fn finest(&self) -> f64 {
+        self.terms.iter().map(|it| std::f64::consts::TAU / it.frequency).fold(f64::INFINITY, f64::min)
+    }
+
     pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
         let (x, y) = (self.sum(0, point, footprint), self.sum(1, point, footprint));
         Tone { value: x.value * y.value, slope: x.slope * y.value + y.slope * x.value }

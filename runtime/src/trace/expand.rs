@@ -4,6 +4,8 @@
 //! reads. Expanding a state evaluates every C-, S- and T-node up to the next states, and gives what is there. It is a pure function
 //! of the state.
 
+use std::sync::Arc;
+
 use glam::DAffine3;
 use smallvec::SmallVec;
 
@@ -13,7 +15,7 @@ use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
 use crate::fault::{Fault, FaultKind, TrailStep};
 use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, Slot, SystemId, Value};
-use crate::geometry::{Part, Primitive};
+use crate::geometry::{Hide, Part, Primitive, Relief, Rind};
 use crate::limits::Limits;
 
 /// Where a derivation stands: two states that are equal stand for the same solid.
@@ -25,6 +27,8 @@ pub struct State {
     pub slots: Box<[Value]>,
     /// The path, if anything below draws.
     pub path: Option<Path>,
+    /// The paint that it is given, if that has a relief: stems without paint of their own have it.
+    pub hide: Option<MaterialId>,
 }
 
 impl State {
@@ -80,6 +84,8 @@ pub enum Solid {
         primitive: Primitive,
         /// Its place in the text.
         origin: Origin,
+        /// What is known of its rind, if it is a segment of a stem and paints ask for that.
+        bark: Option<Box<Bark>>,
     },
     /// Whatever a state stands for. The place is that of the call in the text.
     Instance(State, Origin),
@@ -87,6 +93,22 @@ pub enum Solid {
     Intersect(Vec<Group>),
     /// What lies in the first and in none of the others.
     Difference(Box<Group>, Vec<Group>),
+}
+
+/// The surface of a segment.
+#[derive(Clone, Debug)]
+pub struct Bark {
+    /// Its rind.
+    pub rind: Rind,
+    /// Its relief.
+    pub hide: Option<Arc<Hide>>,
+}
+
+impl Bark {
+    /// Its relief on this rind.
+    pub(super) fn relief(&self) -> Option<Relief<'_>> {
+        self.hide.as_deref().map(|it| Relief::new(&self.rind, it))
+    }
 }
 
 /// What a node is if it is the same everywhere.
@@ -100,8 +122,19 @@ pub(super) enum Fixed {
     Primitive(Primitive),
 }
 
-/// Takes the parts of a stem, in order, in the frame of the group.
-pub(crate) type StemTaker<'t> = dyn FnMut(&[Part]) -> Result<(), Fault> + 't;
+/// A stem whole.
+#[derive(Debug)]
+pub(crate) struct WholeStem<'p> {
+    /// Its parts in order, in the frame of the group.
+    pub(crate) parts: &'p [Part],
+    /// For each part the frame in which its paint stands, in the group's, if its look depends on it.
+    pub(crate) group_from_paint: &'p [Option<DAffine3>],
+    /// The choices and copies between the group and the stem.
+    pub(crate) route: Route,
+}
+
+/// Takes a stem.
+pub(crate) type StemTaker<'t> = dyn FnMut(&WholeStem<'_>) -> Result<(), Fault> + 't;
 
 /// Expands the states of a scene.
 #[derive(Debug)]
@@ -111,6 +144,10 @@ pub struct Expander<'s> {
     pub(super) seed: u64,
     /// By number of the material: whether its look depends on the frame in which its paint stands.
     in_place: Box<[bool]>,
+    /// Whether it depends on where things are on stems.
+    on_stems: Box<[bool]>,
+    /// The reliefs of materials.
+    hides: Box<[Option<Arc<Hide>>]>,
     liveness: Liveness,
     fixed: Vec<Fixed>,
 }
@@ -124,7 +161,9 @@ impl<'s> Expander<'s> {
             graph,
             limits: *limits,
             seed: scene.seed,
-            in_place: materials.map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
+            in_place: materials.clone().map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
+            on_stems: materials.map(|it| scene.is_painted_on_stems(MaterialId(it))).collect(),
+            hides: scene.materials.iter().map(|it| scene.hide(it)).collect(),
             liveness: Liveness::of(graph),
             fixed: graph.nodes().iter().map(fixed).collect(),
         }
@@ -133,6 +172,24 @@ impl<'s> Expander<'s> {
     /// Whether a material's look depends on the frame in which its paint stands.
     pub(super) fn is_in_place(&self, material: MaterialId) -> bool {
         self.in_place.get(material.0 as usize).is_some_and(|it| *it)
+    }
+
+    /// Whether a material's look depends on where things are on stems.
+    pub(super) fn is_on_stems(&self, material: Option<MaterialId>) -> bool {
+        material.and_then(|it| self.on_stems.get(it.0 as usize)).is_some_and(|it| *it)
+    }
+
+    /// A material, if it has a relief.
+    pub(super) fn with_relief(&self, material: MaterialId) -> Option<MaterialId> {
+        self.hides.get(material.0 as usize).is_some_and(Option::is_some).then_some(material)
+    }
+
+    /// What is to be known of the bark of a part of a stem that this relief's material is on.
+    pub(super) fn bark(&self, part: &Part, hide: Option<MaterialId>) -> Option<Bark> {
+        // Its paint may be one that the shape as a whole is given.
+        let rind = part.rind.filter(|_| self.on_stems.contains(&true))?;
+        let hide = hide.and_then(|it| self.hides.get(it.0 as usize)?.clone());
+        Some(Bark { rind, hide })
     }
 
     /// The state of the whole scene.
@@ -181,7 +238,7 @@ impl<'s> Expander<'s> {
                 (select.rules[chosen].body, Route::step(CHOICE ^ chosen as u64))
             }
         };
-        Walk::new(self, machine, env, stems).add(&mut group, body, Here::at(route))?;
+        Walk::new(self, machine, env, stems).add(&mut group, body, Here::at(route, state.hide))?;
         Ok(group)
     }
 
@@ -199,7 +256,8 @@ impl<'s> Expander<'s> {
             return Ok(None);
         };
         let mut group = Group::default();
-        Walk::new(self, machine, self.env(state), None).add(&mut group, proxy, Here::at(Route::START))?;
+        let here = Here::at(Route::START, state.hide);
+        Walk::new(self, machine, self.env(state), None).add(&mut group, proxy, here)?;
         Ok(Some(group))
     }
 
@@ -265,7 +323,7 @@ impl<'s> Expander<'s> {
     pub(super) fn state(&self, entry: Entry, env: &Env) -> State {
         let live = self.live(entry);
         let slots = live.slots.iter().map(|it| env.slots[usize::from(it.0)].clone()).collect();
-        State { entry, slots, path: live.path.then_some(env.path) }
+        State { entry, slots, path: live.path.then_some(env.path), hide: None }
     }
 
     /// An environment of a state: what is not live is 0.

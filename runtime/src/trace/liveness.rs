@@ -5,7 +5,8 @@
 //! values have few states, however deep they go.
 
 use crate::form::{
-    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Select, SelectId, Shape, Slot, Stride, SystemCall, SystemId,
+    Call, Choice, Code, Function, Graph, Node, NodeId, Op, Order, Select, SelectId, Shape, Slot, Stride, SystemCall,
+    SystemId,
 };
 
 /// What is live somewhere.
@@ -153,7 +154,8 @@ fn select_reads<'a>(select: &Select, functions: &[Live], at: impl Fn(NodeId) -> 
 
 /// What a shape reads. What it assigns before reading it is counted too, which does no harm: nobody else gives that a value.
 fn shape_reads<'a>(shape: &Shape, functions: &[Live], at: impl Fn(&NodeId) -> &'a Live) -> Live {
-    let path = shape.modules.iter().any(|it| matches!(it.choice, Choice::Weighted(_)));
+    let draws_order = shape.splitting.as_ref().is_some_and(|it| matches!(it.order, Order::Random | Order::Lifetime));
+    let path = draws_order || shape.modules.iter().any(|it| matches!(it.choice, Choice::Weighted(_)));
     let mut live = Live { path, ..Live::default() };
     for walk in shape.walks() {
         walk.visit(&mut |stride| match stride {

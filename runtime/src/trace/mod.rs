@@ -13,8 +13,8 @@ mod route;
 pub(crate) mod shapes;
 mod walk;
 
-pub(crate) use expand::constants;
-pub use expand::{Entry, Expander, Group, Item, Solid, State};
+pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
+pub(crate) use expand::{WholeStem, constants};
 pub use find::{Derivable, find_shape};
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
@@ -23,7 +23,7 @@ use smallvec::SmallVec;
 
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Ray};
+use crate::geometry::{Aabb, Ray, Rind};
 use glam::{DMat3, DVec3};
 
 /// What rays saw: for each a list of fragments from front to back, ended by an opaque one, or empty where it met nothing.
@@ -34,6 +34,8 @@ pub struct Seen {
     ends: Vec<u32>,
     /// Where fragments are whose paint asks that, with their numbers. Few do, so fragments do not carry it.
     painted: Vec<(u32, Painted)>,
+    /// Where fragments are on the rinds of stems.
+    on_stems: Vec<(u32, Painted)>,
 }
 
 impl Seen {
@@ -42,6 +44,7 @@ impl Seen {
         self.fragments.clear();
         self.ends.clear();
         self.painted.clear();
+        self.on_stems.clear();
     }
 
     /// Adds a fragment to the ray that has not ended yet.
@@ -52,6 +55,11 @@ impl Seen {
     /// Tells where the last fragment is in the frame in which its paint stands, if its paint has textures that ask that.
     pub fn paint(&mut self, painted: Painted) {
         self.painted.push((self.fragments.len() as u32 - 1, painted));
+    }
+
+    /// Tells where the last fragment is on the rind of the stem that it belongs to, if its paint has textures that ask that.
+    pub fn paint_on_stem(&mut self, painted: Painted) {
+        self.on_stems.push((self.fragments.len() as u32 - 1, painted));
     }
 
     /// Ends a ray: fragments from now on are the next one's.
@@ -86,14 +94,24 @@ impl Seen {
 
     /// Where the fragment of this number is in the frame in which its paint stands, if that was told.
     pub fn painted(&self, fragment: usize) -> Option<&Painted> {
-        let at = self.painted.binary_search_by_key(&fragment, |it| it.0 as usize).ok()?;
-        Some(&self.painted[at].1)
+        told(&self.painted, fragment)
+    }
+
+    /// Where the fragment of this number is on the rind of a stem, if that was told.
+    pub fn on_stem(&self, fragment: usize) -> Option<&Painted> {
+        told(&self.on_stems, fragment)
     }
 
     /// The fragments of all rays, to be changed.
     pub fn fragments_mut(&mut self) -> &mut [Fragment] {
         &mut self.fragments
     }
+}
+
+/// What was told about the fragment of this number.
+fn told(places: &[(u32, Painted)], fragment: usize) -> Option<&Painted> {
+    let at = places.binary_search_by_key(&fragment, |it| it.0 as usize).ok()?;
+    Some(&places[at].1)
 }
 
 /// A piece of surface that a ray met, or many pieces that are too small to be told apart.
@@ -106,7 +124,8 @@ pub struct Fragment {
     /// Where in the world.
     pub position: DVec3,
     /// The surface's normal there, of length 1. It points out of the solid; a surface without an inside shows its normal on the
-    /// side that the ray came from. Of many surfaces that are too small to be told apart it is the direction of the mean normal.
+    /// side that the ray came from. Where the surface is a relief it is that of the smooth one over it. Of many surfaces that are
+    /// too small to be told apart it is the direction of the mean normal.
     pub normal: DVec3,
     /// How much the normals there differ: 0 where there is one, up to 1 where there are those of all sides. The mean normal has
     /// the length 1 - spread.
@@ -125,13 +144,23 @@ pub struct Fragment {
     pub site: Site,
 }
 
-/// A place in the frame in which a paint stands.
+/// A place in the frame in which a paint stands, or on the rind of a stem ([`Rind`](crate::geometry::Rind)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Painted {
     /// The place.
     pub position: DVec3,
     /// Maps directions of the world to the frame.
     pub paint_from_world: DMat3,
+}
+
+impl Painted {
+    /// A place in the frame of a segment as one on its rind.
+    pub(crate) fn on(&self, rind: &Rind) -> Self {
+        Self {
+            position: rind.at(self.position),
+            paint_from_world: rind.from_segment(self.position) * self.paint_from_world,
+        }
+    }
 }
 
 impl Fragment {
@@ -162,8 +191,25 @@ impl Fragment {
 pub struct Site {
     /// The parts on the way.
     pub path: SmallVec<[u32; 12]>,
-    /// The face of the primitive.
-    pub face: u8,
+    /// The face of the primitive, or [`Site::THROUGH`].
+    pub face: u16,
+}
+
+impl Site {
+    /// Instead of a face: a ray that starts here goes through the whole solid, as light does through a leaf. It meets neither the
+    /// primitive nor the stem or the Boolean that this is a part of.
+    pub const THROUGH: u16 = u16::MAX;
+
+    /// The same place for a ray that goes through the solid.
+    #[must_use]
+    pub fn through(self) -> Self {
+        Self { face: Self::THROUGH, ..self }
+    }
+
+    /// Whether a ray that starts here goes through the solid.
+    pub fn is_through(&self) -> bool {
+        self.face == Self::THROUGH
+    }
 }
 
 /// A ray as wide as what it stands for: recursion is not followed into what is smaller.
@@ -241,6 +287,15 @@ pub trait Tracer: Sync {
     /// # Errors
     /// The fault of the lowest beam that meets one.
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault>;
+
+    /// The same for beams that start where surfaces have these normals, for whoever cannot tell a surface from its shadow without them.
+    ///
+    /// # Errors
+    /// As [`Tracer::light`].
+    fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let _ = normals;
+        self.light(beams, light)
+    }
 
     /// How much work each of the beams makes, one by one: the cells (for the walker by the book: the S-nodes) that it goes
     /// through. `work` is cleared, then holds one answer a beam.

@@ -5,31 +5,39 @@
 //! Nothing is kept from one ray to the next, nothing is culled, and every recursion is followed to its end, however wide a
 //! beam. It is slow, and the oracle of the fast tracer's tests.
 
+use std::ops::Range;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::DAffine3;
 use smallvec::SmallVec;
 
 use super::chain::{Chain, Standing};
-use super::{Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, shapes, walk};
+use super::{Bark, Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Tracer, shapes, walk};
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select};
-use crate::geometry::{Aabb, Intervals, Part, Primitive, Ray};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select, Stem};
+use crate::geometry::{Aabb, Hide, Intervals, Joints, Part, Primitive, Ray, Rind};
 use crate::limits::Limits;
+use crate::texture::Roughs;
 
 /// Traces rays through a scene by the book.
 #[derive(Debug)]
 pub struct Reference<'s> {
     scene: &'s Scene,
+    /// The reliefs of its materials.
+    hides: Vec<Option<Arc<Hide>>>,
+    /// How the surfaces of its materials are carved.
+    roughs: Roughs,
     limits: Limits,
 }
 
 impl<'s> Reference<'s> {
     /// A walker through a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { scene, limits: *limits }
+        let hides = scene.materials.iter().map(|it| scene.hide(it)).collect();
+        Self { scene, hides, roughs: Roughs::new(&scene.materials, scene.seed), limits: *limits }
     }
 
     /// Everything on a line: t from -inf to inf.
@@ -38,6 +46,8 @@ impl<'s> Reference<'s> {
         let mut walk = Walk {
             graph,
             scene: self.scene,
+            hides: &self.hides,
+            roughs: &self.roughs,
             machine: Machine::new(graph.functions(), self.scene.seed, &self.limits),
             limits: &self.limits,
             from,
@@ -64,8 +74,12 @@ impl<'s> Reference<'s> {
         let Walked { line, surfaces, .. } = self.walk(ray, from)?;
         if let Some((t, surface, flipped)) = line.first_after_start() {
             let surface = &surfaces[surface as usize];
-            seen.push(surface.fragment(ray, t, flipped));
+            seen.push(surface.fragment(ray, t, flipped, &self.roughs));
             surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
+            if let Some(rind) = &surface.rind {
+                let standing = Standing { ray: surface.ray, chain: Rc::clone(&surface.chain) };
+                seen.paint_on_stem(standing.painted(t).on(rind));
+            }
         }
         seen.end_ray();
         Ok(())
@@ -156,16 +170,23 @@ struct Surface {
     origin: Origin,
     material: Option<MaterialId>,
     standing: Option<Rc<Standing>>,
+    /// The rind of a segment of a stem, if its look depends on that.
+    rind: Option<Rind>,
     route: Route,
     /// The ray in the primitive's frame.
     ray: Ray,
     chain: Rc<Chain>,
     site: Site,
+    /// Whether it is the surface of a hull that its material may carve.
+    carved: bool,
 }
 
 impl Surface {
-    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool) -> Fragment {
-        let own = self.primitive.normal(self.ray.at(t), self.site.face);
+    fn fragment(&self, world_ray: &Ray, t: f64, flipped: bool, roughs: &Roughs) -> Fragment {
+        let mut own = self.primitive.normal(self.ray.at(t), self.site.face);
+        if let Some(rough) = roughs.of(self.material).filter(|_| self.carved) {
+            own = rough.normal(own, self.ray.at(t));
+        }
         let mut normal = self.chain.normal_to_world(own).normalize();
         let against = !self.primitive.is_solid() && normal.dot(world_ray.direction) > 0.0;
         if flipped || against {
@@ -217,6 +238,8 @@ impl Here {
 struct Walk<'w, 's> {
     graph: &'s Graph,
     scene: &'s Scene,
+    hides: &'w [Option<Arc<Hide>>],
+    roughs: &'w Roughs,
     machine: Machine<'s>,
     limits: &'w Limits,
     /// The surface that the ray starts on.
@@ -236,7 +259,7 @@ impl Walk<'_, '_> {
                 Node::Primitive { kind, code, origin } => {
                     let values = self.machine.primitive(*kind, code, &mut here.env)?;
                     return match Primitive::new(*kind, &values) {
-                        Some(primitive) => self.primitive(&primitive, *origin, &here),
+                        Some(primitive) => self.primitive(&primitive, None, *origin, &here),
                         None => {
                             let kind = FaultKind::Primitive { kind: *kind, values: values.to_vec() };
                             Err(Fault::new(kind, *origin))
@@ -286,6 +309,7 @@ impl Walk<'_, '_> {
                     }
                     return Ok(union(lines));
                 }
+                Node::Intersect(_) | Node::Difference(..) if self.goes_through(&here) => return Ok(Line::empty()),
                 Node::Intersect(operands) => return self.intersect(operands, &here),
                 Node::Difference(first, others) => return self.subtract(*first, others, &here),
                 Node::Call(call) => {
@@ -370,14 +394,44 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn primitive(&mut self, primitive: &Primitive, origin: Origin, here: &Here) -> Result<Line, Fault> {
+    /// Whether the ray starts on a part of what is here, and goes through the whole of it.
+    fn goes_through(&self, here: &Here) -> bool {
+        self.from.is_some_and(|it| it.is_through() && it.path.starts_with(&here.site))
+    }
+
+    /// Whether the ray starts in one of these operands at a place, and goes through the solid there.
+    fn goes_into(&self, site: &[u32], operands: Range<usize>) -> bool {
+        let Some(from) = self.from.filter(|it| it.is_through() && it.path.starts_with(site)) else { return false };
+        from.path.get(site.len()).is_some_and(|it| operands.contains(&(*it as usize)))
+    }
+
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        bark: Option<&Bark>,
+        origin: Origin,
+        here: &Here,
+    ) -> Result<Line, Fault> {
+        let rind = bark.map(|it| it.rind);
+        if self.goes_through(here) {
+            return Ok(Line::empty());
+        }
         let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
-            let chords = primitive.chords(&here.ray, from);
-            line.inside = Intervals::of_chords(&chords, |it| self.surface(primitive, origin, here, it.face));
+            let mut chords = match bark.and_then(Bark::relief) {
+                Some(relief) => relief.chords(&here.ray, from),
+                None => primitive.chords(&here.ray, from),
+            };
+            // What is cut by others is not carved; neither is what the ray starts on, since that lies below its planes.
+            if let Some(set) = primitive.hull().filter(|_| !here.frozen && from.is_none())
+                && let Some(rough) = self.roughs.of(here.material)
+            {
+                chords = chords.into_iter().filter_map(|it| rough.left(set, &here.ray, it)).collect();
+            }
+            line.inside = Intervals::of_chords(&chords, |it| self.surface((primitive, rind), origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
-            line.crossings.push((crossing.t, self.surface(primitive, origin, here, crossing.face)));
+            line.crossings.push((crossing.t, self.surface((primitive, rind), origin, here, crossing.face)));
         }
         Ok(line)
     }
@@ -389,16 +443,24 @@ impl Walk<'_, '_> {
     }
 
     /// Notes a surface that was met, and gives it a number.
-    fn surface(&mut self, primitive: &Primitive, origin: Origin, here: &Here, face: u8) -> u32 {
+    fn surface(
+        &mut self,
+        (primitive, rind): (&Primitive, Option<Rind>),
+        origin: Origin,
+        here: &Here,
+        face: u16,
+    ) -> u32 {
         self.surfaces.push(Surface {
-            primitive: *primitive,
+            primitive: primitive.clone(),
             origin,
             material: here.material,
             standing: here.standing.clone(),
+            rind,
             route: here.route,
             ray: here.ray,
             chain: Rc::clone(&here.chain),
             site: Site { path: here.site.clone(), face },
+            carved: primitive.hull().is_some() && !here.frozen,
         });
         self.surfaces.len() as u32 - 1
     }
@@ -440,9 +502,29 @@ impl shapes::Taker for Parts<'_, '_, '_> {
         Ok(())
     }
 
+    fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
+        let first = self.lines.len();
+        shapes::each_part(self, stem, joints)?;
+        if self.walk.goes_into(&self.here.site, first..self.lines.len()) {
+            // A ray that goes through a part of it goes through all.
+            self.lines[first..].fill_with(Line::empty);
+        }
+        Ok(())
+    }
+
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
         let here = self.next(&part.stem_from_part, part.material, route);
-        let line = self.walk.primitive(&part.primitive, part.origin, &here)?;
+        let on_stems = here.material.is_some_and(|it| self.walk.scene.is_painted_on_stems(it));
+        let hide = here.material.and_then(|it| self.walk.hides.get(it.0 as usize)?.clone());
+        let bark = part.rind.filter(|_| on_stems).map(|rind| Bark { rind, hide });
+        let line = self.walk.primitive(&part.primitive, bark.as_ref(), part.origin, &here)?;
+        self.lines.push(line);
+        Ok(())
+    }
+
+    fn hull(&mut self, hull: shapes::Hull) -> Result<(), Fault> {
+        let here = self.next(&DAffine3::IDENTITY, hull.material, Route::START);
+        let line = self.walk.primitive(&hull.primitive, None, hull.origin, &here)?;
         self.lines.push(line);
         Ok(())
     }

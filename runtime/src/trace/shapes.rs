@@ -1,14 +1,23 @@
 //! What a shape derives to, as parts that every tracer knows: primitives, and solids placed in frames.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::Route;
-use crate::derive::{Deriver, Placed, Step, Watcher};
+use crate::derive::{Deriver, Normal, Placed, Step, Watcher};
 use crate::eval::Env;
-use crate::fault::Fault;
-use crate::form::{Graph, Shape, ShapeId, Stem, Value};
-use crate::geometry::{Joints, Part};
+use crate::fault::{Fault, FaultKind};
+use crate::form::{Graph, MaterialId, Origin, PrimitiveKind, Shape, ShapeId, Stem, Value};
+use crate::geometry::{ConvexSet, Joints, Part, Primitive};
 use crate::limits::Limits;
+
+/// What the normals of a hull amount to, in the space of its system.
+pub(crate) struct Hull {
+    pub(crate) primitive: Primitive,
+    /// The numbers that make it.
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) material: Option<MaterialId>,
+    pub(crate) origin: Origin,
+}
 
 /// Someone who takes the parts of a shape.
 pub(crate) trait Taker {
@@ -17,6 +26,9 @@ pub(crate) trait Taker {
 
     /// A part of a stem; the route tells stems apart.
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault>;
+
+    /// The planes of a hull.
+    fn hull(&mut self, hull: Hull) -> Result<(), Fault>;
 
     /// A stem whose segments were fitted to each other. Who does not care for whole stems takes its parts.
     fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
@@ -44,6 +56,10 @@ pub(crate) fn parts(
     limits: &Limits,
     taker: &mut impl Taker,
 ) -> Result<(), Fault> {
+    if graph.shape(shape).splitting.is_some() {
+        let normals = Deriver::new(graph, seed, limits).normals(shape, env, &mut Solids(taker))?;
+        return taker.hull(hull(graph, shape, &normals)?);
+    }
     let list = Deriver::new(graph, seed, limits).derive(shape, env, &mut Solids(taker))?;
     let mut joints = Joints::default();
     for stem in list.stems() {
@@ -51,6 +67,24 @@ pub(crate) fn parts(
         taker.stem(stem, &joints)?;
     }
     Ok(())
+}
+
+/// What lies behind the planes of normals. It has an end, or is cut by others wherever it stands.
+fn hull(graph: &Graph, shape: ShapeId, normals: &[Normal]) -> Result<Hull, Fault> {
+    let origin = graph.system(graph.shape(shape).system).origin;
+    let open = |direction: Option<DVec3>| {
+        Fault::new(FaultKind::OpenHull { direction: direction.map(|it| it.to_array()) }, origin)
+    };
+    let planes = normals.iter().filter_map(Normal::plane);
+    let parameters: Vec<f64> = planes.flat_map(|it| [it.normal.x, it.normal.y, it.normal.z, it.offset]).collect();
+    let primitive = Primitive::new(PrimitiveKind::Hull, &parameters).ok_or_else(|| open(None))?;
+    let direction = primitive.hull().and_then(ConvexSet::open);
+    if direction.is_some() && graph.is_unclipped(shape) {
+        return Err(open(direction));
+    }
+    // One solid has one paint.
+    let material = normals.first().and_then(|it| it.material);
+    Ok(Hull { primitive, parameters, material, origin })
 }
 
 /// The map to the system's space and the route of a placed solid.

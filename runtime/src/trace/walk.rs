@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State, StemTaker};
+use super::expand::{Entry, Expander, Fixed, Group, Item, Solid, State, StemTaker, WholeStem};
 use super::route::Route;
 use super::shapes;
 use crate::derive::Placed;
@@ -23,13 +23,15 @@ pub(super) struct Here {
     material: Option<MaterialId>,
     /// See [`Item::group_from_paint`].
     group_from_paint: Option<DAffine3>,
+    /// See [`State::hide`].
+    hide: Option<MaterialId>,
     route: Route,
 }
 
 impl Here {
-    /// Where a group begins.
-    pub(super) fn at(route: Route) -> Self {
-        Self { group_from_here: DAffine3::IDENTITY, material: None, group_from_paint: None, route }
+    /// Where a group begins, inside a paint of this relief.
+    pub(super) fn at(route: Route, hide: Option<MaterialId>) -> Self {
+        Self { group_from_here: DAffine3::IDENTITY, material: None, group_from_paint: None, hide, route }
     }
 
     fn then(self, step: u64) -> Self {
@@ -88,7 +90,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                 Node::Empty => return Ok(()),
                 Node::Primitive { kind, code, origin } => {
                     let primitive = match self.expander.fixed(node) {
-                        Fixed::Primitive(primitive) => *primitive,
+                        Fixed::Primitive(primitive) => primitive.clone(),
                         _ => {
                             let values = self.machine.primitive(*kind, code, &mut self.env)?;
                             Primitive::new(*kind, &values).ok_or_else(|| {
@@ -96,7 +98,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                             })?
                         }
                     };
-                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin }, *origin);
+                    return self.put(group, &here, Solid::Leaf { primitive, origin: *origin, bark: None }, *origin);
                 }
                 Node::Transform { kind, code, body, origin } => {
                     here.group_from_here *= match self.expander.fixed(node) {
@@ -112,6 +114,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                 }
                 Node::Paint { material, body } => {
                     here.material = Some(*material);
+                    here.hide = self.expander.with_relief(*material);
                     here.group_from_paint = self.expander.is_in_place(*material).then_some(here.group_from_here);
                     node = *body;
                 }
@@ -134,21 +137,22 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                     return Ok(());
                 }
                 Node::Intersect(operands) => {
-                    let operands = self.operands(operands)?;
+                    let operands = self.operands(operands, &here)?;
                     return self.put(group, &here, Solid::Intersect(operands), Origin::NONE);
                 }
                 Node::Difference(first, others) => {
-                    let first = self.operand(*first)?;
-                    let others = self.operands(others)?;
+                    let first = self.operand(*first, &here)?;
+                    let others = self.operands(others, &here)?;
                     return self.put(group, &here, Solid::Difference(Box::new(first), others), Origin::NONE);
                 }
                 Node::Call(call) => {
-                    let state = self.enter(call)?;
+                    let state = State { hide: here.hide, ..self.enter(call)? };
                     return self.put(group, &here.then(call.place), Solid::Instance(state, call.origin), call.origin);
                 }
                 Node::System(call) => {
                     let env = self.machine.enter_system(graph, call, &mut self.env)?;
                     let state = self.expander.state(Entry::System(call.system), &env);
+                    let state = State { hide: here.hide, ..state };
                     return self.put(group, &here.then(call.place), Solid::Instance(state, call.origin), call.origin);
                 }
                 Node::Shape(shape) => return self.derive(group, *shape, &here),
@@ -196,14 +200,14 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
         Ok(())
     }
 
-    fn operands(&mut self, operands: &[NodeId]) -> Result<Vec<Group>, Fault> {
-        operands.iter().map(|it| self.operand(*it)).collect()
+    fn operands(&mut self, operands: &[NodeId], here: &Here) -> Result<Vec<Group>, Fault> {
+        operands.iter().map(|it| self.operand(*it, here)).collect()
     }
 
     /// An operand of a Boolean, as a group in the frame of the Boolean itself.
-    fn operand(&mut self, operand: NodeId) -> Result<Group, Fault> {
+    fn operand(&mut self, operand: NodeId, here: &Here) -> Result<Group, Fault> {
         let mut group = Group::default();
-        self.add(&mut group, operand, Here::at(Route::START))?;
+        self.add(&mut group, operand, Here::at(Route::START, here.hide))?;
         Ok(group)
     }
 
@@ -219,7 +223,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
             argument.unwrap_or(&self.env.slots[usize::from(slot.0)]).clone()
         };
         let slots = live.slots.iter().map(value).collect();
-        Ok(State { entry, slots, path: live.path.then(|| self.env.path.joined(call.place, self.env.turn)) })
+        Ok(State { entry, slots, path: live.path.then(|| self.env.path.joined(call.place, self.env.turn)), hide: None })
     }
 
     fn put(&mut self, group: &mut Group, here: &Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
@@ -228,7 +232,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
             .left
             .checked_sub(1)
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
-        let Here { group_from_here: group_from_item, material, group_from_paint, route } = *here;
+        let Here { group_from_here: group_from_item, material, group_from_paint, route, .. } = *here;
         let group_from_paint = group_from_paint.map(Box::new);
         group.items.push(Item { group_from_item, material, group_from_paint, route, solid });
         Ok(())
@@ -252,6 +256,13 @@ impl InGroup<'_, '_, '_, '_> {
     }
 }
 
+impl InGroup<'_, '_, '_, '_> {
+    /// See [`State::hide`]: that of what is given a paint, or none.
+    fn hide(&self, own: Option<MaterialId>) -> Option<MaterialId> {
+        own.map_or(self.here.hide, |it| self.walk.expander.with_relief(it))
+    }
+}
+
 impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     fn placed(&mut self, placed: Placed<'_>) -> Result<(), Fault> {
         let (system_from_frame, route) = shapes::way(&placed);
@@ -259,6 +270,7 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
             group_from_here: self.here.group_from_here * system_from_frame,
             material: placed.material.or(self.here.material),
             group_from_paint: self.group_from_paint(placed.material),
+            hide: self.hide(placed.material),
             route: self.here.route.then(route),
         };
         let outer = std::mem::replace(&mut self.walk.env, placed.env.clone());
@@ -268,25 +280,41 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
     }
 
     fn part(&mut self, part: Part, route: Route) -> Result<(), Fault> {
+        let bark = self.walk.expander.bark(&part, self.hide(part.material)).map(Box::new);
         // Segments have a limit of their own.
         self.group.items.push(Item {
             group_from_item: self.here.group_from_here * part.stem_from_part,
             material: part.material.or(self.here.material),
             group_from_paint: self.group_from_paint(part.material).map(Box::new),
             route: self.here.route.then(route),
-            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin },
+            solid: Solid::Leaf { primitive: part.primitive, origin: part.origin, bark },
         });
         Ok(())
     }
 
+    fn hull(&mut self, hull: shapes::Hull) -> Result<(), Fault> {
+        let here = Here {
+            material: hull.material.or(self.here.material),
+            group_from_paint: self.group_from_paint(hull.material),
+            ..*self.here
+        };
+        let solid = Solid::Leaf { primitive: hull.primitive, origin: hull.origin, bark: None };
+        self.walk.put(self.group, &here, solid, hull.origin)
+    }
+
     fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
-        let mut parts = Vec::new();
-        let Some(take) = self.walk.stems.as_deref_mut() else { return shapes::each_part(self, stem, joints) };
+        if self.walk.stems.is_none() {
+            return shapes::each_part(self, stem, joints);
+        }
+        let (mut parts, mut group_from_paint) = (Vec::new(), Vec::new());
         joints.parts(stem, |mut part| {
+            group_from_paint.push(self.group_from_paint(part.material));
             part.stem_from_part = self.here.group_from_here * part.stem_from_part;
             part.material = part.material.or(self.here.material);
             parts.push(part);
         });
-        take(&parts)
+        let route = self.here.route.then(Route::step(stem.route));
+        let whole = WholeStem { parts: &parts, group_from_paint: &group_from_paint, route };
+        self.walk.stems.as_deref_mut().map_or(Ok(()), |take| take(&whole))
     }
 }

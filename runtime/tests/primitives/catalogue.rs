@@ -11,6 +11,12 @@ pub(crate) struct Sample {
     pub(crate) primitive: Primitive,
 }
 
+/// The eight planes of the octahedron with corners at 1 on the axes.
+const OCTAHEDRON: [f64; 32] = [
+    1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0,
+    -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0, 1.0,
+];
+
 /// What all kinds are tried with.
 const CATALOGUE: &[(PrimitiveKind, &[f64])] = &[
     (PrimitiveKind::Sphere, &[]),
@@ -38,6 +44,14 @@ const CATALOGUE: &[(PrimitiveKind, &[f64])] = &[
     (PrimitiveKind::Torus, &[1.5]),
     (PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, 0.0]),
     (PrimitiveKind::HalfSpace, &[1.0, 2.0, -2.0, 1.5]),
+    // Hulls: an octahedron, a wedge away from the origin, a prism without an end, a corner.
+    (PrimitiveKind::Hull, &OCTAHEDRON),
+    (
+        PrimitiveKind::Hull,
+        &[0.0, 0.0, -1.0, -0.5, 1.0, 0.0, 1.0, 2.0, -1.0, 0.25, 1.0, 1.0, 0.0, 1.0, 0.0, 0.75, 0.0, -1.0, 0.25, 0.5],
+    ),
+    (PrimitiveKind::Hull, &[1.0, 0.0, 0.0, 0.5, -1.0, 2.0, 0.0, 0.5, -1.0, -2.0, 0.0, 0.5]),
+    (PrimitiveKind::Hull, &[-1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]),
     (PrimitiveKind::Ellipsoid, &[1.0, 2.0, 0.5]),
     (PrimitiveKind::Ellipsoid, &[0.01, 3.0, 3.0]),
     (PrimitiveKind::Hyperboloid, &[1.0, 1.0, 1.0]),
@@ -78,7 +92,7 @@ pub(crate) fn primitive(kind: PrimitiveKind, params: &[f64]) -> Primitive {
 
 impl Sample {
     /// Less than 0 behind the face, more in front of it; about the distance for most kinds.
-    pub(crate) fn face_field(&self, face: u8, p: DVec3) -> f64 {
+    pub(crate) fn face_field(&self, face: u16, p: DVec3) -> f64 {
         let across = p.truncate().length();
         match (self.kind, self.params) {
             (PrimitiveKind::Sphere, _) => p.length() - 1.0,
@@ -106,6 +120,10 @@ impl Sample {
             (PrimitiveKind::HalfSpace, &[x, y, z, d]) => {
                 (DVec3::new(x, y, z).dot(p) - d) / DVec3::new(x, y, z).length()
             }
+            (PrimitiveKind::Hull, planes) => {
+                let &[x, y, z, d] = &planes.as_chunks::<4>().0[usize::from(face)];
+                (DVec3::new(x, y, z).dot(p) - d) / DVec3::new(x, y, z).length()
+            }
             (PrimitiveKind::Ellipsoid, &[a, b, c]) => (p / DVec3::new(a, b, c)).length() - 1.0,
             (PrimitiveKind::Hyperboloid, &[a, b, c]) => {
                 p.z - c + c * (1.0 + p.x * p.x / (a * a) + p.y * p.y / (b * b)).sqrt()
@@ -120,11 +138,12 @@ impl Sample {
     }
 
     /// How many faces it has.
-    pub(crate) fn faces(&self) -> u8 {
+    pub(crate) fn faces(&self) -> u16 {
         match self.kind {
             PrimitiveKind::Cylinder | PrimitiveKind::Cone | PrimitiveKind::Segment => 3,
             PrimitiveKind::Box => 6,
             PrimitiveKind::Tetrahedron => 4,
+            PrimitiveKind::Hull => self.params.len() as u16 / 4,
             _ => 1,
         }
     }

@@ -58,7 +58,7 @@ fn an_ellipsoid_and_a_quadric_of_one_shape_are_met_at_the_right_place() {
             let ray = ray_to(&mut numbers, distance, aim);
             let (a, b, c) = along(&ray, DVec3::new(4.0, 1.0, 0.25), -1.0);
             let (near, far) = roots(a, b, c);
-            for primitive in [ellipsoid, quadric] {
+            for primitive in [&ellipsoid, &quadric] {
                 let chord = primitive.chords(&ray, None)[0];
                 // A flat solid is met at a sharper angle.
                 assert!((chord.near.t - near).abs() <= 10.0 * tolerance, "{distance} {}", chord.near.t - near);
@@ -82,8 +82,8 @@ fn the_round_face_of_a_cylinder_and_of_a_cone_is_met_at_the_right_place() {
             // Along the ray, the radius is `radius + speed t`, both exact enough as double-doubles of products with -1/2.
             let half = Double::from(-0.5);
             for (primitive, radius, speed) in [
-                (cylinder, Double::from(1.0), Double::from(0.0)),
-                (cone, Double::from(1.0) + half * Double::from(o.z), half * Double::from(d.z)),
+                (&cylinder, Double::from(1.0), Double::from(0.0)),
+                (&cone, Double::from(1.0) + half * Double::from(o.z), half * Double::from(d.z)),
             ] {
                 let plane = |v: DVec3| [v.x, v.y, 0.0];
                 let a = Double::dot(plane(d), plane(d)) - speed * speed;

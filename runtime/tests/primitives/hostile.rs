@@ -6,7 +6,7 @@ use treegen_runtime::geometry::{Primitive, Ray, Wrap};
 
 use crate::catalogue::{Numbers, solids};
 
-const KINDS: [PrimitiveKind; 12] = [
+const KINDS: [PrimitiveKind; 13] = [
     PrimitiveKind::Sphere,
     PrimitiveKind::Cylinder,
     PrimitiveKind::Cone,
@@ -19,6 +19,7 @@ const KINDS: [PrimitiveKind; 12] = [
     PrimitiveKind::Hyperboloid,
     PrimitiveKind::Paraboloid,
     PrimitiveKind::Quadric,
+    PrimitiveKind::Hull,
 ];
 
 #[test]
@@ -168,7 +169,7 @@ fn segments_of_random_bits_break_nothing() {
 }
 
 /// Whatever comes back is sorted and has no end that is not a number.
-fn check(primitive: &Primitive, ray: &Ray, from: Option<u8>) {
+fn check(primitive: &Primitive, ray: &Ray, from: Option<u16>) {
     let chords = primitive.chords(ray, from);
     assert!(chords.iter().all(|it| it.near.t < it.far.t), "{primitive:?} {ray:?} {chords:?}");
     assert!(chords.windows(2).all(|it| it[0].far.t <= it[1].near.t), "{primitive:?} {ray:?} {chords:?}");

@@ -1,7 +1,10 @@
 //! What is asked along a ray, and what has been found so far.
 
+use std::sync::LazyLock;
+
 use smallvec::SmallVec;
 
+use super::cell::PART;
 use super::measure::Measuring;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
@@ -110,7 +113,8 @@ impl Trails {
     /// Whether one surface was written before another.
     #[cold]
     pub(super) fn is_before(&self, one: Mark, other: Mark) -> bool {
-        self.path(one) < self.path(other)
+        let order = |mark: Mark| self.path(mark).into_iter().map(|it| it & PART);
+        order(one).lt(order(other))
     }
 }
 
@@ -122,8 +126,25 @@ pub(super) struct Veil {
     pub(super) t: f64,
     /// How much it hides.
     pub(super) coverage: f64,
+    /// What it looks like: equal for those that look alike.
+    pub(super) looks: u64,
     /// The instance that it stands for.
     pub(super) mark: Mark,
+}
+
+impl Veil {
+    /// Notes it for a question along its ray, or takes its light away where that is asked.
+    #[inline(always)]
+    pub(super) fn take(self, question: Question, best: f64, loss: &mut Loss, notes: &mut Notes) {
+        if !(self.t > 0.0 && self.coverage > 0.0) {
+            return;
+        }
+        match question {
+            Question::Nearest if self.t <= best => notes.veils.push(self),
+            Question::Any => *loss = loss.and(Loss::by(self.coverage)),
+            Question::Nearest | Question::Exit | Question::Surface => {}
+        }
+    }
 }
 
 /// What is noted on the way of rays.
@@ -166,15 +187,30 @@ impl Girth {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Loss(u64);
 
+/// Steps of coverage in [`LOSS`].
+const LOSSES: usize = 4096;
+
+/// What veils take away, by their coverage: -ln(1 - c), where that is finite.
+static LOSS: LazyLock<[f64; LOSSES + 1]> =
+    LazyLock::new(|| std::array::from_fn(|number| -libm::log((1.0 - number as f64 / LOSSES as f64).max(1e-4))));
+
 impl Loss {
     const UNIT: f64 = (1_u64 << 32) as f64;
     /// So much is lost that what is left does not count.
     const DARK: Self = Self(6 << 32);
 
     /// What a veil takes away that hides so much.
+    #[inline]
     pub(super) fn by(coverage: f64) -> Self {
         let open = 1.0 - coverage;
-        if open < 1e-3 { Self::DARK } else { Self((-libm::log(open) * Self::UNIT) as u64) }
+        if open < 1e-3 {
+            return Self::DARK;
+        }
+        // Between two values of the table, along a line: what is lost is off by less than a thousandth of it.
+        let place = coverage * LOSSES as f64;
+        let (number, part) = (place as usize, place.fract());
+        let between = |a: f64, b: f64| a + (b - a) * part;
+        Self((between(LOSS[number], LOSS[(number + 1).min(LOSSES)]) * Self::UNIT) as u64)
     }
 
     #[must_use]
@@ -249,21 +285,10 @@ impl<'q> Ask<'q> {
         }
     }
 
-    /// A veil hides so much at t.
-    pub(super) fn veil(&mut self, t: f64, coverage: f64, mark: Mark) {
-        if !(t > 0.0 && coverage > 0.0) {
-            return;
-        }
-        match self.question {
-            Question::Nearest if t <= self.best => {
-                self.notes.veils.push(Veil { ray: self.ray, t, coverage, mark });
-            }
-            Question::Any => {
-                self.loss = self.loss.and(Loss::by(coverage));
-                self.over |= self.loss.is_dark();
-            }
-            Question::Nearest | Question::Exit | Question::Surface => {}
-        }
+    /// A veil lies on the ray.
+    pub(super) fn veil(&mut self, veil: Veil) {
+        veil.take(self.question, self.best, &mut self.loss, self.notes);
+        self.over |= self.loss.is_dark();
     }
 
     /// Counts a step.
@@ -281,8 +306,14 @@ impl<'q> Ask<'q> {
 
     /// The face that the ray starts on.
     #[inline]
-    pub(super) fn start_face(&self) -> Option<u8> {
+    pub(super) fn start_face(&self) -> Option<u16> {
         self.from.map(|it| it.face)
+    }
+
+    /// Whether the ray goes through the solid that it starts on.
+    #[inline]
+    pub(super) fn goes_through(&self) -> bool {
+        self.from.is_some_and(Site::is_through)
     }
 
     /// What a piece of the ray inside a solid, or a surface met (with no `far`), says to the question.

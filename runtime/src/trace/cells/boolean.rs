@@ -6,14 +6,14 @@ use smallvec::SmallVec;
 
 use super::ask::{Ask, Mark, NONE};
 use super::boxes::{BoxRay, lanes_of};
-use super::cell::{Boolean, Cell, Instance, Leaf, Named, Ref, Union};
+use super::cell::{Boolean, Cell, Grain, Instance, Leaf, Named, Ref, Union};
 use super::deep::deeper;
 use super::ray::{Local, Steps};
 use super::store::Generation;
 use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{End, Interval, Intervals};
+use crate::geometry::{End, Interval, Intervals, Primitive};
 use crate::lanes::Kernel;
 
 /// The pieces of a ray inside something.
@@ -142,11 +142,12 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Fault> {
         if !leaf.solid {
             let origin = place.cell.parts[leaf.part as usize].origin;
-            return Err(Fault::new(FaultKind::Open(place.cell.primitive(leaf).kind()), origin));
+            return Err(Fault::new(FaultKind::Open(place.cell.with_primitive(leaf, Primitive::kind)), origin));
         }
+        // A Boolean that a ray goes through is not asked at all.
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
-        let chords = place.cell.primitive(leaf).chords(&place.ray.line(&leaf.leaf_from_cell), from);
-        let mark = |face| Mark { trail: place.trail, part: leaf.part, face };
+        let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
+        let mark = |face| Mark { trail: place.trail, part: leaf.part, face: leaf.marked(face) };
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }
 
@@ -175,11 +176,11 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels, unit };
         let range = (steps.inwards(range.0), steps.inwards(range.1));
         let tolerance = steps.length_inwards(tolerance);
-        let line = match store.cell(generation, instance.state).map_err(led)? {
+        let line = match store.cell(generation, instance.state, Grain::Fine).map_err(led)? {
             Some(cell) => self.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?,
             None => {
                 let apart = generation.apart(instance.state);
-                let Some(cell) = store.cell(&apart, super::ROOT).map_err(led)? else {
+                let Some(cell) = store.cell(&apart, super::ROOT, Grain::Fine).map_err(led)? else {
                     return Ok(Line::empty());
                 };
                 let mut pieces = Pieces { tracing: self.tracing, generation: &apart, ask: &mut *self.ask };
@@ -219,7 +220,7 @@ fn first_part(cell: &Cell, member: Ref) -> u32 {
     match member.named() {
         Named::Leaf(number) => cell.leaves[number as usize].part,
         Named::Instance(number) => cell.instances[number as usize].part,
-        Named::Boolean(number) => cell.booleans[number as usize].part,
+        Named::Boolean(number) => cell.booleans[number as usize].parts.start,
         Named::Node(number) => number,
     }
 }

@@ -12,7 +12,7 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3};
 
 use super::bvh::{self, Boxed, area};
-use super::cell::{Boolean, Cell, Frame, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
+use super::cell::{Boolean, COARSE_SIDE, Cell, Frame, Grain, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
 use super::store::{Generation, Store, led_by};
@@ -21,7 +21,7 @@ use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::{Group, Item, Route, Solid, State};
+use crate::trace::{Bark, Group, Item, Route, Solid, State};
 
 /// Instances that are merged into one cell by their size.
 const MOST_MERGED: usize = 256;
@@ -36,10 +36,10 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// What fails in expanding what is in the state, or in finding how far it reaches.
-pub(super) fn build(store: &Store, generation: &Generation, number: u32) -> Result<Cell, Fault> {
+pub(super) fn build(store: &Store, generation: &Generation, number: u32, grain: Grain) -> Result<Cell, Fault> {
     let mut shop = store.workshop();
     let state = shop.number_of(&generation.state(number));
-    let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state)?;
+    let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state, grain)?;
     lay_out(&mut shop, generation, state, drafts)
 }
 
@@ -91,7 +91,7 @@ struct Way {
 }
 
 enum Outline {
-    Leaf(Primitive, Origin),
+    Leaf(Primitive, Origin, Option<Box<Bark>>),
     Instance(u32, Origin),
     Boolean { difference: bool, operands: Vec<Vec<Draft>> },
 }
@@ -140,7 +140,7 @@ fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft
     for piece in pieces {
         let way = way.to_piece(piece);
         let shape = match &piece.shape {
-            Shape::Leaf(primitive, origin) => Outline::Leaf(**primitive, *origin),
+            Shape::Leaf(primitive, origin, bark) => Outline::Leaf((**primitive).clone(), *origin, bark.clone()),
             Shape::Instance(state, origin) => {
                 draft_state(shop, *state, *origin, way, drafts)?;
                 continue;
@@ -208,7 +208,7 @@ fn draft_group(shop: &mut Workshop, group: Group, way: Way, drafts: &mut Vec<Dra
     for item in group.items {
         let way = way.to_item(&item);
         let shape = match item.solid {
-            Solid::Leaf { primitive, origin } => Outline::Leaf(primitive, origin),
+            Solid::Leaf { primitive, origin, bark } => Outline::Leaf(primitive, origin, bark),
             Solid::Instance(state, origin) if shop.store.survey.is_rare(&state) => {
                 draft_afresh(shop, &state, origin, Way { levels: way.levels + 1, ..way }, drafts)?;
                 continue;
@@ -290,8 +290,8 @@ impl Ord for Candidate {
 }
 
 impl Merge<'_, '_, '_> {
-    fn run(mut self, state: u32) -> Result<Vec<Draft>, Fault> {
-        let Measure { enough, most, .. } = self.shop.measure(state);
+    fn run(mut self, state: u32, grain: Grain) -> Result<Vec<Draft>, Fault> {
+        let Measure { enough, most, .. } = self.shop.measure(state).of(grain);
         let top = self.open(state, Way::START)?;
         let mut members = top.len();
         let mut merged = 0;
@@ -375,10 +375,11 @@ impl Layout<'_, '_, '_> {
                 members.push((item, bounds));
             }
         }
-        let with_box = members.iter().filter(|(_, bounds)| bounds.is_finite()).count();
-        let boxed = |bounds: &Aabb| bounds.is_finite() && with_box >= least;
-        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let frame = self.frame;
+        let has_box = |bounds: &Aabb| bounds.is_finite() && frame.holds(bounds);
+        let with_box = members.iter().filter(|(_, bounds)| has_box(bounds)).count();
+        let boxed = |bounds: &Aabb| has_box(bounds) && with_box >= least;
+        let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let items = members
             .iter()
             .filter(|(_, bounds)| boxed(bounds))
@@ -391,25 +392,34 @@ impl Layout<'_, '_, '_> {
     fn member(&mut self, draft: Draft) -> Result<(Ref, Aabb), Fault> {
         let Draft { way, shape } = draft;
         match shape {
-            Outline::Leaf(primitive, origin) => Ok(self.leaf(&way, primitive, origin)),
+            Outline::Leaf(primitive, origin, bark) => Ok(self.leaf(&way, primitive, origin, bark.as_deref())),
             Outline::Instance(state, origin) => self.instance(&way, state, origin),
             Outline::Boolean { difference, operands } => self.boolean(difference, operands),
         }
     }
 
-    fn leaf(&mut self, way: &Way, primitive: Primitive, origin: Origin) -> (Ref, Aabb) {
+    fn leaf(&mut self, way: &Way, primitive: Primitive, origin: Origin, bark: Option<&Bark>) -> (Ref, Aabb) {
         let member = Ref::new(Named::Leaf(self.cell.leaves.len() as u32));
         let part = self.part(member, way, origin);
+        self.cell.barks.extend(bark.map(|it| (part, it.clone())));
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
-        let (leaf_from_cell, shape) = match tame(&primitive, &leaf_from_cell) {
-            Some((leaf_from_cell, convex)) => (leaf_from_cell, LeafShape::Convex(convex)),
-            None => {
-                self.cell.others.push(primitive);
-                (leaf_from_cell, LeafShape::Other(self.cell.others.len() as u32 - 1))
-            }
-        };
-        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid: primitive.is_solid(), part });
-        (member, primitive_bounds(&primitive, &way.state_from_inner))
+        let (solid, bounds) = (primitive.is_solid(), primitive_bounds(&primitive, &way.state_from_inner));
+        let (leaf_from_cell, shape) = self.leaf_shape(primitive, leaf_from_cell);
+        let has_relief = bark.is_some_and(|it| it.hide.is_some());
+        let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
+        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid, part });
+        (member, bounds)
+    }
+
+    /// What a leaf is in its own frame, and the way there.
+    fn leaf_shape(&mut self, primitive: Primitive, leaf_from_cell: DAffine3) -> (DAffine3, LeafShape) {
+        if let Some((leaf_from_cell, convex)) = tame(&primitive, &leaf_from_cell) {
+            return (leaf_from_cell, LeafShape::Convex(convex));
+        }
+        let number = self.cell.others.len() as u32;
+        let is_hull = primitive.hull().is_some_and(|it| is_tame(it.reach(), &leaf_from_cell));
+        self.cell.others.push(primitive);
+        (leaf_from_cell, if is_hull { LeafShape::Hull(number) } else { LeafShape::Other(number) })
     }
 
     fn instance(&mut self, way: &Way, state: u32, origin: Origin) -> Result<(Ref, Aabb), Fault> {
@@ -420,11 +430,12 @@ impl Layout<'_, '_, '_> {
         let bounds = self.shop.state_bounds(state, &way.state_from_inner, SLACK * self.frame.size)?;
         let own = self.frame.inwards(&bounds);
         let side = if own.is_finite() { (own.max - own.min).max_element() } else { f64::INFINITY };
+        let coarse = if self.shop.is_worth_a_coarse_cell(state)? { side * COARSE_SIDE } else { f64::INFINITY };
         let frame = self.shop.frame(state)?;
         let state = self.shop.state(state);
         let hyper = self.shop.store.hyper.as_ref().map(|it| Box::new(grown(&frame.inwards(&it.of(state.entry)))));
         let state = self.generation.number(&state);
-        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side, hyper });
+        self.cell.instances.push(Instance { way: inwards, state, part, bounds: own, side, coarse, hyper });
         Ok((member, bounds))
     }
 
@@ -456,7 +467,8 @@ impl Layout<'_, '_, '_> {
         let size = (whole.max - whole.min).max_element() / self.frame.size;
         let tolerance = TOLERANCE * if size.is_finite() { size.max(0.0) } else { 1.0 };
         let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
-        self.cell.booleans.push(Boolean { difference, operands, part, tolerance });
+        let parts = part..self.cell.parts.len() as u32;
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
 }
@@ -473,14 +485,19 @@ fn grown(bounds: &Aabb) -> Aabb {
 
 /// A primitive as a convex one, with the map to its frame, if rays of the cell have numbers there that can be squared.
 fn tame(primitive: &Primitive, leaf_from_cell: &DAffine3) -> Option<(DAffine3, Convex)> {
-    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
-    const MOST: f64 = 1e30;
     let (convex, scale) = primitive.convex()?;
     let map = DAffine3::from_scale(scale) * *leaf_from_cell;
-    let back = inverse(&map).matrix3;
+    is_tame(convex.reach(), &map).then_some((map, convex))
+}
+
+/// Whether rays of the cell have numbers that can be squared in the frame of a leaf that reaches so far.
+fn is_tame(reach: f64, leaf_from_cell: &DAffine3) -> bool {
+    /// Lengths that are not longer, and shorter than the inverse of which none becomes.
+    const MOST: f64 = 1e30;
+    let back = inverse(leaf_from_cell).matrix3;
     let size = |it: &DMat3| [it.x_axis, it.y_axis, it.z_axis].map(|it| it.abs().max_element()).into_iter().sum::<f64>();
-    let reach = convex.reach() + map.translation.abs().max_element();
-    (size(&map.matrix3) < MOST && size(&back) < MOST && reach < MOST).then_some((map, convex))
+    let reach = reach + leaf_from_cell.translation.abs().max_element();
+    size(&leaf_from_cell.matrix3) < MOST && size(&back) < MOST && reach < MOST
 }
 
 /// The inverse of a map however large or small it is: its determinant alone may be out of range.

@@ -15,8 +15,47 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::Route;
+use crate::geometry::{Aabb, Chords, Convex, ConvexSet, Primitive, Ray, Relief};
+use crate::texture::Rough;
+use crate::trace::{Bark, Route};
+
+/// How far a state is merged with those in it.
+///
+/// Rays that are nearly as wide as a state end in what is a little smaller than that, so they go through a cell of few members.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Grain {
+    /// As far as it makes rays fast.
+    Fine,
+    /// So far that most of its members are [`COARSE_SIDE`] of its size or smaller.
+    Coarse,
+}
+
+/// How wide a beam is, in parts of a state's size, that goes through its coarse cell.
+pub(super) const COARSE_SIDE: f64 = 0.25;
+
+/// The bits of a number on the way to a hit that are the number of a part; those above say into which cell of it the ray went.
+pub(super) const PART: u32 = (1 << 24) - 1;
+/// What is added to the number of a part where a ray went into its coarse cell.
+const COARSE: u32 = 1 << 24;
+/// What is added to the number of a part where a ray went into the solid that stands for it.
+pub(super) const ENDED: u32 = 1 << 25;
+
+impl Grain {
+    /// What is added to the number of a part.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u32 {
+        match self {
+            Self::Fine => 0,
+            Self::Coarse => COARSE,
+        }
+    }
+
+    /// The grain that a number on the way to a hit tells of.
+    #[inline(always)]
+    pub(super) fn noted(number: u32) -> Self {
+        if number & COARSE == 0 { Self::Fine } else { Self::Coarse }
+    }
+}
 
 /// A state expanded and merged.
 #[derive(Clone, Debug)]
@@ -37,6 +76,8 @@ pub(super) struct Cell {
     pub(super) parts: Vec<Part>,
     /// The ways to the frames in which paints stand, of the parts whose look depends on that, by number of the part.
     pub(super) painted: Vec<(u32, DAffine3)>,
+    /// The barks of parts of stems, by number of the part.
+    pub(super) barks: Vec<(u32, Bark)>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
     pub(super) levels: u32,
     /// The box of all in it, in its own frame; empty if it does not end.
@@ -117,8 +158,12 @@ pub(super) struct Leaf {
 pub(super) enum LeafShape {
     /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared.
     Convex(Convex),
+    /// A convex set, in such a frame: its number among [`Cell::others`].
+    Hull(u32),
     /// Any other: its number among [`Cell::others`].
     Other(u32),
+    /// A segment with a relief: its number among [`Cell::barks`].
+    Relief(u32),
 }
 
 impl Default for Cell {
@@ -132,6 +177,7 @@ impl Default for Cell {
             booleans: Vec::new(),
             parts: Vec::new(),
             painted: Vec::new(),
+            barks: Vec::new(),
             levels: 0,
             bounds: Aabb::EMPTY,
         }
@@ -145,6 +191,19 @@ impl Cell {
         Some(&self.painted[at].1)
     }
 
+    /// The bark of a part of a stem, if it is asked for.
+    pub(super) fn bark(&self, part: u32) -> Option<&Bark> {
+        let at = self.barks.binary_search_by_key(&part, |it| it.0).ok()?;
+        Some(&self.barks[at].1)
+    }
+
+    /// Whether two parts are one solid: the same, or of one stem.
+    #[cold]
+    pub(super) fn is_one(&self, one: u32, other: u32) -> bool {
+        let [one, other] = [one, other].map(|it| self.parts.get(it as usize).map(|it| it.route));
+        one == other && one.is_some()
+    }
+
     /// The way into the instance that a part is, and its state; none if the part is no instance.
     pub(super) fn way_into(&self, part: u32) -> Option<(&Inwards, u32)> {
         let Named::Instance(number) = self.parts.get(part as usize)?.member.named() else {
@@ -154,11 +213,49 @@ impl Cell {
         Some((way, *state))
     }
 
-    /// A leaf as a primitive.
-    pub(super) fn primitive(&self, leaf: &Leaf) -> Primitive {
+    /// Calls `ask` with a leaf as a primitive.
+    pub(super) fn with_primitive<T>(&self, leaf: &Leaf, ask: impl FnOnce(&Primitive) -> T) -> T {
         match leaf.shape {
-            LeafShape::Convex(convex) => convex.primitive(),
-            LeafShape::Other(number) => self.others[number as usize],
+            LeafShape::Convex(convex) => ask(&convex.primitive()),
+            LeafShape::Hull(number) | LeafShape::Other(number) => ask(&self.others[number as usize]),
+            LeafShape::Relief(number) => ask(&self.barks[number as usize].1.rind.primitive()),
+        }
+    }
+
+    /// The relief of a leaf.
+    pub(super) fn relief(&self, leaf: &Leaf) -> Option<Relief<'_>> {
+        if let LeafShape::Relief(number) = leaf.shape { self.barks.get(number as usize)?.1.relief() } else { None }
+    }
+
+    /// The pieces of a line inside a leaf, in the frame of the leaf.
+    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u16>) -> Chords {
+        match self.relief(leaf) {
+            Some(relief) => relief.chords(line, from),
+            None => self.with_primitive(leaf, |it| it.chords(line, from)),
+        }
+    }
+
+    /// The face that a line meets at t, for a mark that does not tell the faces of a convex set apart.
+    pub(super) fn face(
+        &self,
+        leaf: &Leaf,
+        marked: u8,
+        rough: Option<&Rough>,
+        line: impl FnOnce() -> (Ray, f64),
+    ) -> u16 {
+        let Some(set) = self.set(leaf) else {
+            return u16::from(marked);
+        };
+        let (line, t) = line();
+        if rough.is_some() { set.nearest_face(line.at(t)) } else { set.face_at(&line, t) }
+    }
+
+    /// A leaf that is a convex set.
+    #[inline(always)]
+    pub(super) fn set(&self, leaf: &Leaf) -> Option<&ConvexSet> {
+        match leaf.shape {
+            LeafShape::Hull(number) => self.others[number as usize].hull(),
+            LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => None,
         }
     }
 }
@@ -176,6 +273,8 @@ pub(super) struct Instance {
     /// does not end.
     pub(super) bounds: Aabb,
     pub(super) side: f64,
+    /// Beams that are wider than this, in this cell's unit, go through the coarse cell.
+    pub(super) coarse: f64,
     /// In the inner cell's own frame, a box around all that the state's module ever stands for, if that is what is looked at.
     pub(super) hyper: Option<Box<Aabb>>,
 }
@@ -187,8 +286,8 @@ pub(super) struct Boolean {
     pub(super) difference: bool,
     /// The operands, numbers of unions.
     pub(super) operands: Range<u32>,
-    /// The number of the first part in it.
-    pub(super) part: u32,
+    /// The numbers of the parts in it.
+    pub(super) parts: Range<u32>,
     /// How near events count as one: 1e-12 of its size.
     pub(super) tolerance: f64,
 }
@@ -219,7 +318,23 @@ pub(super) struct Frame {
     pub(super) size: f64,
 }
 
+impl Leaf {
+    /// A face as marks tell it: those of a convex set they do not tell apart.
+    pub(super) fn marked(&self, face: u16) -> u8 {
+        match self.shape {
+            LeafShape::Hull(_) => 0,
+            LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => face as u8,
+        }
+    }
+}
+
 impl Instance {
+    /// The grain of the cell in it that a ray starts in whose start in the outer cell has this number; none if it starts elsewhere.
+    #[inline(always)]
+    pub(super) fn starts_in(&self, from: u32) -> Option<Grain> {
+        (from & (PART | ENDED) == self.part).then(|| Grain::noted(from))
+    }
+
     /// Whether a ray of the inner cell's own frame misses the box that is looked at before going in.
     #[inline(always)]
     pub(super) fn is_missed(&self, inner: &Local) -> bool {
@@ -248,6 +363,13 @@ impl Frame {
         Self { center: (center / step).round() * step, size }
     }
 
+    /// Whether a box lies within -1 to 1: where nothing was known of a state beforehand, something in it may not, and rays that pass
+    /// the frame by are not held against boxes in it.
+    pub(super) fn holds(&self, bounds: &Aabb) -> bool {
+        let own = self.inwards(bounds);
+        own.is_empty() || own.min.abs().max(own.max.abs()).max_element() <= 1.0 + 1e-6
+    }
+
     pub(super) fn state_from_cell(&self) -> DAffine3 {
         DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(self.size)), self.center)
     }
@@ -274,6 +396,7 @@ impl Cell {
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
         self.painted.shrink_to_fit();
+        self.barks.shrink_to_fit();
         self
     }
 
@@ -291,11 +414,12 @@ impl Cell {
             + size_of_val(&*self.unions)
             + size_of_val(&*self.nodes)
             + size_of_val(&*self.leaves)
-            + size_of_val(&*self.others)
+            + self.others.iter().map(|it| size_of_val(it) + it.bytes_apart()).sum::<usize>()
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)
             + size_of_val(&*self.painted)
+            + size_of_val(&*self.barks)
             + always
     }
 }

@@ -25,14 +25,24 @@ pub(super) enum Ending {
 
 /// An ending as a ray meets it.
 pub(super) enum Met<'g> {
-    Looks(Arc<Proxy>),
+    Looks(&'g Proxy),
+    /// Looks that are known only as long as something else is being measured.
+    ForNow(Arc<Proxy>),
     Solid(&'g Cell),
     /// A closed box: the state is being measured itself.
     Box,
 }
 
-/// What is added to the number of a part where a ray went into the solid that stands for it.
-pub(super) const ENDED: u32 = 1 << 25;
+impl Met<'_> {
+    /// What it looks like, if that was measured.
+    pub(super) fn proxy(&self) -> Option<&Proxy> {
+        match self {
+            Self::Looks(proxy) => Some(proxy),
+            Self::ForNow(proxy) => Some(proxy),
+            Self::Solid(_) | Self::Box => None,
+        }
+    }
+}
 
 impl Ending {
     /// How many bytes it takes.
@@ -45,7 +55,7 @@ impl Ending {
 
     fn met(&self) -> Met<'_> {
         match self {
-            Self::Looks(proxy) => Met::Looks(Arc::clone(proxy)),
+            Self::Looks(proxy) => Met::Looks(proxy),
             Self::Solid(cell) => Met::Solid(cell),
         }
     }
@@ -69,7 +79,7 @@ pub(super) fn ending<'g, K: Kernel>(
     }
     match ask.measuring.and_then(|it| it.knows(&generation.state(model))) {
         Some(Known::UnderWay) => return Ok(Met::Box),
-        Some(Known::Looks(proxy)) => return Ok(Met::Looks(proxy)),
+        Some(Known::Looks(proxy)) => return Ok(Met::ForNow(proxy)),
         None => {}
     }
     let led = |fault| led_by(fault, std::iter::once(store.step(generation, state, called)));
@@ -84,7 +94,7 @@ pub(super) fn ending<'g, K: Kernel>(
     if let Some(outer) = ask.measuring {
         outer.keep(generation.state(model), &proxy);
     }
-    Ok(Met::Looks(proxy))
+    Ok(Met::ForNow(proxy))
 }
 
 /// The solid that the program gives for a model; none if it gives none.

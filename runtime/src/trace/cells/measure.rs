@@ -8,6 +8,7 @@
 //! them, on paths made up for it.
 
 use std::collections::HashMap;
+use std::hash::BuildHasher;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -16,7 +17,7 @@ use glam::DVec3;
 use super::ROOT;
 use super::ask::{Ask, Girth, NONE, Notes, Question};
 use super::boxes::BoxRay;
-use super::cell::Cell;
+use super::cell::{Cell, Grain};
 use super::deep::deeper;
 use super::proxy::{Proxy, Survey};
 use super::ray::{Inwards, Local};
@@ -27,6 +28,7 @@ use crate::fault::Fault;
 use crate::form::Origin;
 use crate::geometry::Ray;
 use crate::lanes::Kernel;
+use crate::quick_hash::BuildQuickHash;
 use crate::trace::{Fragment, Seen, State};
 
 /// Directions that a state is seen along, and back.
@@ -134,7 +136,8 @@ pub(super) fn measure<K: Kernel>(
             let mut surveyor = Surveyor { tracing, generation, measuring: &here, nested, way };
             surveyor.look(share, &mut survey, &mut notes)?;
         }
-        Ok((survey.proxy(), here.clean.into_inner()))
+        let kind = BuildQuickHash::default().hash_one(&*state);
+        Ok((survey.proxy(kind), here.clean.into_inner()))
     })
 }
 
@@ -159,7 +162,7 @@ struct Surveyor<'a, 's, K: Kernel> {
 impl<K: Kernel> Surveyor<'_, '_, K> {
     /// The state's cell. One cell fits into every generation.
     fn cell<'g>(&self, generation: &'g Generation) -> Result<&'g Cell, Fault> {
-        Ok(self.tracing.store.cell(generation, ROOT)?.unwrap_or(&NO_CELL))
+        Ok(self.tracing.store.cell(generation, ROOT, Grain::Fine)?.unwrap_or(&NO_CELL))
     }
 
     /// Looks at the state along a share of all rays: of so many states, as this one of them.
@@ -219,6 +222,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
             position: 0,
             levels: 0,
             unit: 1.0,
+            paint: None,
         };
         let tracing = self.tracing;
         let (generation, cell) = (&*self.generation, self.cell(&self.generation)?);

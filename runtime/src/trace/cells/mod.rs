@@ -29,6 +29,7 @@ mod state_boxes;
 mod store;
 mod support;
 mod traverse;
+mod veils;
 mod workshop;
 
 pub use state_boxes::Boxes;
@@ -36,7 +37,7 @@ pub use store::Counts;
 
 use self::ask::{Ask, Found, Girth, NONE, Notes, Question};
 use self::boxes::BoxRay;
-use self::cell::Cell;
+use self::cell::{Cell, Grain};
 use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
 use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
@@ -410,9 +411,9 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// The scene's cell, if there is room for it.
     fn root(&self) -> Option<&'g Cell> {
         let (store, state) = (self.tracing.store, ROOT);
-        match self.generation.kept(state) {
+        match self.generation.kept(state, Grain::Fine) {
             Some(cell) => Some(cell),
-            None => store.cell(self.generation, state).ok().flatten(),
+            None => store.cell(self.generation, state, Grain::Fine).ok().flatten(),
         }
     }
 
@@ -431,8 +432,9 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let unit = self.tracer.cell_from_world.unit;
         let boxes = BoxRay::new(ray.origin, ray.direction);
         let (called, from) = (Origin::NONE, ask.start_part(0));
-        let passage = Passage { state, called, ray, boxes, from, trail: NONE, position: 0, levels: 0, unit };
-        match store.cell(self.generation, state)? {
+        let (trail, paint) = (NONE, None);
+        let passage = Passage { state, called, ray, boxes, from, trail, position: 0, levels: 0, unit, paint };
+        match store.cell(self.generation, state, Grain::Fine)? {
             Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Beginning { cell, passage }),
             None => self.ask_unkept(ask, passage),
         }
@@ -443,7 +445,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     #[inline(never)]
     fn ask_unkept(&self, ask: &mut Ask, passage: Passage) -> Result<(), Fault> {
         let apart = self.generation.apart(passage.state);
-        let Some(cell) = self.tracing.store.cell(&apart, ROOT)? else {
+        let Some(cell) = self.tracing.store.cell(&apart, ROOT, Grain::Fine)? else {
             return Ok(());
         };
         let mut scratch = Scratch::default();

@@ -4,17 +4,18 @@
 //! few are left, each of them goes on alone. What a ray meets is the same, to the bit, in whatever company it travels.
 
 use pulp::{Simd, f32x16, f64x8, u64x8};
+use smallvec::SmallVec;
 
-use super::ask::{Ask, Found, Girth, Loss, Mark, NONE, Notes, Question, start_part};
+use super::ask::{Ask, Found, Girth, Loss, Mark, NONE, Notes, Question, Veil, start_part};
 use super::boxes::{BoxRays, Met, Node, Opened, WIDTH, lanes_of};
-use super::cell::{Cell, Leaf, LeafShape, Named, Ref};
+use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
-use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at};
+use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at, rough_set};
 use crate::fault::Fault;
-use crate::form::Origin;
-use crate::geometry::Convex;
+use crate::form::{MaterialId, Origin};
+use crate::geometry::Pierced;
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
 use crate::trace::{Beam, Site};
 
@@ -76,15 +77,31 @@ impl<'q> PacketAsk<'q> {
         if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() }
     }
 
+    /// A veil lies on one of the rays.
+    #[inline(always)]
+    fn veil(&mut self, veil: Veil, notes: &mut Notes) {
+        let ray = usize::from(veil.ray);
+        let best = lane_of(&self.best[ray / EIGHT], ray % EIGHT);
+        veil.take(self.question, best, &mut self.loss[ray], notes);
+        if self.loss[ray].is_dark() {
+            self.end(1 << ray);
+        }
+    }
+
+    /// How wide the beam of a ray is.
+    #[inline(always)]
+    fn girth(&self, ray: usize) -> Girth {
+        let (half, lane) = (ray / EIGHT, ray % EIGHT);
+        Girth { width: lane_of(&self.width[half], lane), spread: lane_of(&self.spread[half], lane) }
+    }
+
     /// The question of one of the rays.
     fn of_ray<'a>(&self, ray: usize, notes: &'a mut Notes) -> Ask<'a>
     where
         'q: 'a,
     {
-        let (half, lane) = (ray / EIGHT, ray % EIGHT);
-        let girth = Girth { width: lane_of(&self.width[half], lane), spread: lane_of(&self.spread[half], lane) };
         let (best, found) = self.found(ray);
-        let mut ask = Ask::new(self.question, self.from[ray], girth, notes);
+        let mut ask = Ask::new(self.question, self.from[ray], self.girth(ray), notes);
         (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
         ask
     }
@@ -191,6 +208,7 @@ struct Way {
     levels: u32,
     /// As in [`Passage`].
     unit: f64,
+    paint: Option<MaterialId>,
 }
 
 /// Rays in a cell.
@@ -241,7 +259,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         self.scratch.depth = 1;
         let kernel = self.tracing.kernel;
         let unit = cell_from_world.unit;
-        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit };
+        let way = Way { state, called: Origin::NONE, trail: NONE, position: 0, levels: 0, unit, paint: None };
         let asking = self.ask.asking;
         let frame = match self.scratch.frames.first_mut() {
             Some(frame) => frame,
@@ -320,6 +338,10 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     /// Each of the rays looks at something by itself.
     fn go_alone(&mut self, rays: u32, what: Ref) -> Result<(), Stop> {
         let (tracing, generation) = (self.tracing, self.generation);
+        let rays = match what.named() {
+            Named::Instance(number) => self.end_alone(number, rays)?,
+            _ => rays,
+        };
         let PacketScratch { frames, depth, alone, .. } = &mut *self.scratch;
         let Some(frame) = frames.get(*depth - 1) else {
             return Ok(());
@@ -468,17 +490,41 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             rays &= !lanes_of(rays).filter(missed).fold(0, |all, ray| all | 1 << ray);
         }
         if rays == 0 {
-            return if ended == 0 { Ok(()) } else { self.end(number, ended) };
+            let local = |ray: usize| (ray, inner.rays.local[ray / EIGHT].ray(ray % EIGHT));
+            let ended: SmallVec<[(usize, Local); RAYS]> = lanes_of(ended).map(local).collect();
+            let left = self.end(number, &ended)?;
+            return if left == 0 { Ok(()) } else { self.go_alone(left, Ref::new(Named::Instance(number))) };
+        }
+        let mut apart = ended;
+        let mut grain = Grain::Fine;
+        if instance.coarse < f64::INFINITY {
+            let mut coarse = self.ask.wider(kernel, &inner.rays.local, instance.coarse * outer_way.unit);
+            for ray in lanes_of(outer.starting & rays) {
+                match instance.starts_in(outer.from[ray]) {
+                    Some(Grain::Fine) => coarse &= !(1 << ray),
+                    Some(Grain::Coarse) => coarse |= 1 << ray,
+                    None => {}
+                }
+            }
+            let (coarse, fine) = (rays & coarse, rays & !coarse);
+            let few = if coarse.count_ones() > fine.count_ones() {
+                (grain, rays) = (Grain::Coarse, coarse);
+                fine
+            } else {
+                rays = fine;
+                coarse
+            };
+            apart |= few;
         }
         let (state, called) = (instance.state, part.origin);
-        let cell = match self.generation.kept(state) {
+        let cell = match self.generation.kept(state, grain) {
             Some(cell) => Some(cell),
-            None => self.made(state, called)?,
+            None => self.made((state, grain), called)?,
         };
         let what = Ref::new(Named::Instance(number));
-        if ended != 0 {
-            // Few packets meet an instance that is as wide as they are.
-            self.go_alone(ended, what)?;
+        if apart != 0 {
+            // Few packets meet an instance that is as wide as they are, or just so wide that some go through its coarse cell.
+            self.go_alone(apart, what)?;
         }
         let Some(cell) = cell else {
             return self.go_alone(rays, what);
@@ -493,12 +539,14 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             BoxRays::new(kernel, &inner.rays.local, rays)
         };
         let position = outer_way.position + 1;
-        let trail = self.notes.trails.on(outer_way.trail, instance.part);
+        let number = instance.part | grain.bits();
+        let trail = self.notes.trails.on(outer_way.trail, number);
         let (levels, unit) = (outer_way.levels + part.levels, outer_way.unit * instance.way.unit);
-        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit });
+        let paint = part.material.or(outer_way.paint);
+        (inner.cell, inner.way) = (cell, Way { state, called, trail, position, levels, unit, paint });
         inner.starting = 0;
         for ray in lanes_of(outer.starting & rays) {
-            if outer.from[ray] == instance.part {
+            if outer.from[ray] == number {
                 inner.start(ray, start_part(self.ask.from[ray], position as usize));
             }
         }
@@ -506,42 +554,59 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         self.enter(rays)
     }
 
-    /// Recursion ends at an instance: all of the beams are as wide as that. Their ways inside are in the next frame.
-    #[inline(never)]
-    fn end(&mut self, number: u32, rays: u32) -> Result<(), Stop> {
-        let depth = self.scratch.depth;
-        let [.., outer, inner] = &self.scratch.frames[..=depth] else {
-            return Ok(());
+    /// Ends those of the rays at an instance that are wider than it; gives the rest.
+    #[inline(always)]
+    fn end_alone(&mut self, number: u32, rays: u32) -> Result<u32, Stop> {
+        let mut left = rays;
+        for ray in lanes_of(rays) {
+            let Some(frame) = self.scratch.last() else {
+                break;
+            };
+            let instance = &frame.cell.instances[number as usize];
+            let inner = frame.rays.local[ray / EIGHT].ray(ray % EIGHT).entered(&instance.way).0;
+            let wider = instance.side * frame.way.unit < self.ask.girth(ray).at(inner.start());
+            if wider && self.end(number, &[(ray, inner)])? == 0 {
+                left &= !(1 << ray);
+            }
+        }
+        Ok(left)
+    }
+
+    /// Recursion ends at an instance for some rays, which are given as they are inside. Gives those for which a solid stands there:
+    /// they have to go on alone.
+    fn end(&mut self, number: u32, rays: &[(usize, Local)]) -> Result<u32, Stop> {
+        let Some((first, _)) = rays.first() else {
+            return Ok(0);
         };
-        let (cell, way) = (outer.cell, outer.way);
+        let Some(frame) = self.scratch.last() else {
+            return Ok(0);
+        };
+        let (cell, way) = (frame.cell, frame.way);
         let instance = &cell.instances[number as usize];
         let called = cell.parts[instance.part as usize].origin;
-        let first = rays.trailing_zeros() as usize;
-        let mut ask = self.ask.of_ray(first, self.notes);
+        let mut ask = self.ask.of_ray(*first, self.notes);
         let looks = match ending(self.tracing, self.generation, instance.state, called, &mut ask)? {
-            Ended::Solid(_) => return self.go_alone(rays, Ref::new(Named::Instance(number))),
+            Ended::Solid(_) => return Ok(rays.iter().fold(0, |all, it| all | 1 << it.0)),
             looks => looks,
         };
-        for ray in lanes_of(rays) {
-            if outer.starting >> ray & 1 == 1 && outer.from[ray] == instance.part {
+        for (ray, inner) in rays {
+            if frame.starting >> ray & 1 == 1 && frame.from[*ray] == instance.part {
                 continue;
             }
-            let (half, lane) = (ray / EIGHT, ray % EIGHT);
-            let (outer, inner) = (outer.rays.local[half].ray(lane), inner.rays.local[half].ray(lane));
-            let mut ask = self.ask.of_ray(ray, self.notes);
-            look_at(&mut ask, instance, way.trail, &outer, &inner, &looks);
-            let answer = Answer::of(&ask);
-            self.ask.answer(ray, answer);
+            let outer = frame.rays.local[ray / EIGHT].ray(ray % EIGHT);
+            if let Some(veil) = look_at(*ray as u8, instance, way.trail, (&outer, inner), &looks) {
+                self.ask.veil(veil, self.notes);
+            }
         }
-        Ok(())
+        Ok(0)
     }
 
     /// A cell that is not there yet; none if there is no room to keep it.
     #[cold]
     #[inline(never)]
-    fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
+    fn made(&self, (state, grain): (u32, Grain), called: Origin) -> Result<Option<&'g Cell>, Stop> {
         let store = self.tracing.store;
-        let made = store.cell(self.generation, state);
+        let made = store.cell(self.generation, state, grain);
         made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(self.generation, state, called)))))
     }
 
@@ -564,19 +629,28 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         for ray in lanes_of(frame.starting & rays) {
             if frame.from[ray] == leaf.part {
                 let face = self.ask.from[ray].map(|it| it.face);
-                if is_left(leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
+                if is_left(cell, leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
                     rays &= !(1 << ray);
                 } else {
                     apart |= 1 << ray;
                 }
+            } else if self.ask.from[ray].is_some_and(Site::is_through) && cell.is_one(frame.from[ray], leaf.part) {
+                rays &= !(1 << ray);
             }
         }
         apart &= rays;
         let together = rays & !apart;
         match leaf.shape {
             LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
-            LeafShape::Convex(_) => {}
-            LeafShape::Other(_) => apart = rays,
+            LeafShape::Hull(_) if together != 0 => {
+                if rough_set(&self.tracing.store.roughs, cell, leaf, frame.way.paint).is_some() {
+                    apart = rays;
+                } else if let Some(set) = cell.set(leaf) {
+                    apart |= self.convex(leaf, set, together);
+                }
+            }
+            LeafShape::Convex(_) | LeafShape::Hull(_) => {}
+            LeafShape::Other(_) | LeafShape::Relief(_) => apart = rays,
         }
         if apart != 0 {
             self.leaf_apart(cell, leaf, apart);
@@ -585,7 +659,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
 
     /// What rays meet of a convex leaf; gives those that have to ask one by one.
     #[inline(always)]
-    fn convex(&mut self, leaf: &Leaf, convex: &Convex, rays: u32) -> u32 {
+    fn convex(&mut self, leaf: &Leaf, convex: &impl Pierced, rays: u32) -> u32 {
         let Some(frame) = self.scratch.last() else {
             return 0;
         };
@@ -646,7 +720,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         for ray in lanes_of(rays) {
             let mut ask = self.ask.of_ray(ray, self.notes);
-            super::traverse::leaf(&mut ask, cell, leaf, &frame.passage(ray));
+            super::traverse::leaf(&mut ask, &self.tracing.store.roughs, cell, leaf, &frame.passage(ray));
             let answer = Answer::of(&ask);
             self.ask.answer(ray, answer);
         }
@@ -684,11 +758,11 @@ impl<'g, K: Kernel> Frame<'g, K> {
     /// One of the rays by itself.
     #[inline(always)]
     fn passage(&self, ray: usize) -> Passage {
-        let Way { state, called, trail, position, levels, unit } = self.way;
+        let Way { state, called, trail, position, levels, unit, paint } = self.way;
         let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
         let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
         let boxes = self.rays.boxes.ray(ray);
-        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit }
+        Passage { state, called, ray: local, boxes, from, trail, position, levels, unit, paint }
     }
 
     /// Finds where on each ray nothing more is of interest.

@@ -58,7 +58,7 @@ impl Planting<'_, '_, '_> {
         for piece in pieces {
             let map = &piece.outer_from_inner;
             let what = match &piece.shape {
-                Shape::Leaf(primitive, _) => {
+                Shape::Leaf(primitive, ..) => {
                     leaves.push(Loose::of_primitive(primitive, map));
                     continue;
                 }

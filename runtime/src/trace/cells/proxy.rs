@@ -19,6 +19,8 @@ pub(super) struct Proxy {
     pub(super) paints: SmallVec<[(Option<MaterialId>, f64); 3]>,
     /// How much of what faces a light is not in the shadow of another part of it.
     pub(super) open: f64,
+    /// A hash of the state that was measured: equal where looks are.
+    pub(super) kind: u64,
 }
 
 /// Paints that are told apart; the rest is counted with the one that has the largest share.
@@ -121,7 +123,7 @@ impl Survey {
     }
 
     /// What has been seen on the whole.
-    pub(super) fn proxy(mut self) -> Proxy {
+    pub(super) fn proxy(mut self, kind: u64) -> Proxy {
         // The square of the area is that of what is hidden, on which side ever one looks.
         let squares = fitted(self.views.iter().map(|it| (even(it.direction), it.area * it.area)));
         let part = |axis: usize| fitted(self.views.iter().map(|it| (mixed(it.direction), it.normals[axis])));
@@ -140,7 +142,7 @@ impl Survey {
             None => paints.push((None, 1.0)),
         }
         let open = if self.aimed > 0.0 { self.lit / self.aimed } else { 1.0 };
-        Proxy { squares, facing, paints, open }
+        Proxy { squares, facing, paints, open, kind }
     }
 }
 
@@ -194,7 +196,7 @@ mod tests {
             survey.see(area(direction), normal(direction));
             survey.paint(None, 1.0);
         }
-        survey.proxy()
+        survey.proxy(0)
     }
 
     #[test]
@@ -226,7 +228,7 @@ mod tests {
         for number in 0..5 {
             survey.paint(Some(MaterialId(number)), f64::from(number));
         }
-        let shares: Vec<f64> = survey.proxy().paints.iter().map(|it| it.1).collect();
+        let shares: Vec<f64> = survey.proxy(0).paints.iter().map(|it| it.1).collect();
         assert_eq!(shares.len(), PAINTS);
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!(shares[0] > shares[1] && shares[1] > shares[2]);

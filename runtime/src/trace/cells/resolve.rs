@@ -3,21 +3,23 @@
 //! Nothing of this is kept while a ray searches: most of what it meets on the way is not what it sees in the end. Rays side
 //! by side mostly see things in one cell, so what is known of the way to a cell is kept from one ray to the next.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
 use super::ROOT;
-use super::ask::{Found, Mark, Notes, Veil};
-use super::cell::{Cell, Leaf, Named, Part};
-use super::ending::{ENDED, Ending, solid};
-use super::measure::{Known, Measuring};
+use super::ask::{Found, Mark, Notes};
+use super::cell::{Cell, ENDED, Grain, Leaf, Named, PART, Part};
+use super::ending::{Ending, solid};
+use super::measure::Measuring;
 use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
+use super::traverse::rough_set;
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::Ray;
+use crate::texture::Rough;
 use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
 /// A hit as a search leaves it.
@@ -29,17 +31,15 @@ pub(super) struct Hit<'r> {
     pub(super) found: Found,
 }
 
-/// How much of what lies behind may be seen until nothing of it is.
-const CLOSED: f64 = 1.0 / 512.0;
-
 /// Finds out about hits in one generation of cells.
 pub(super) struct Resolver<'a, 's, 'g> {
     store: &'a Store<'s>,
     generation: &'g Generation,
     root: Root<'a>,
     cell_from_world: &'a Inwards,
-    /// The cell that the last hit was in.
-    place: Option<Place<'g>>,
+    /// The cell that the last hit was in, and the one before: what rays see through veils alternates with these.
+    place: Option<Box<Place<'g>>>,
+    other: Option<Box<Place<'g>>>,
 }
 
 /// Where ways begin.
@@ -50,20 +50,20 @@ enum Root<'a> {
 }
 
 /// A cell, and what has been collected on the way there.
-struct Place<'g> {
+pub(super) struct Place<'g> {
     trail: u32,
-    cell: Held<'g>,
+    pub(super) cell: Held<'g>,
     /// The numbers of the parts on the way.
-    path: SmallVec<[u32; 12]>,
+    pub(super) path: SmallVec<[u32; 12]>,
     /// The ways into the cells on the way, as far as those are kept.
     ways: SmallVec<[&'g Inwards; 8]>,
-    material: Option<MaterialId>,
+    pub(super) material: Option<MaterialId>,
     /// Where that paint stands, if its look depends on it.
     standing: Option<Box<Standing>>,
     route: Route,
     frozen: bool,
     /// From the world to the cell, but for its size.
-    cell_from_world: DMat3,
+    pub(super) cell_from_world: DMat3,
 }
 
 /// The frame in which a paint stands.
@@ -83,7 +83,7 @@ impl Standing {
 }
 
 /// Where a cell is held.
-enum Held<'g> {
+pub(super) enum Held<'g> {
     /// In the generation of the rays.
     Kept(&'g Cell),
     /// In one of this place's own: it does not fit in that one.
@@ -94,9 +94,9 @@ enum Held<'g> {
 
 /// A cell of a generation.
 #[derive(Clone, Copy)]
-enum Which {
-    /// That of a state.
-    Of(u32),
+pub(super) enum Which {
+    /// That of a state, of a grain.
+    Of(u32, Grain),
     /// The one that stands for a state from far away.
     EndOf(u32),
 }
@@ -104,19 +104,27 @@ enum Which {
 impl Which {
     /// The cell that a ray goes into where it is noted to have gone into a part of this number, an instance of a state.
     fn noted(number: u32, state: u32) -> Self {
-        if number & ENDED == 0 { Self::Of(state) } else { Self::EndOf(state) }
+        if number & ENDED == 0 { Self::Of(state, Grain::noted(number)) } else { Self::EndOf(state) }
     }
 
     fn state(self) -> u32 {
         match self {
-            Self::Of(state) | Self::EndOf(state) => state,
+            Self::Of(state, _) | Self::EndOf(state) => state,
+        }
+    }
+
+    /// The same of the state where ways begin.
+    fn of_root(self) -> Self {
+        match self {
+            Self::Of(_, grain) => Self::Of(ROOT, grain),
+            Self::EndOf(_) => Self::EndOf(ROOT),
         }
     }
 
     /// The cell; none if there is no room for it.
     fn cell<'c>(self, store: &Store, generation: &'c Generation) -> Result<Option<&'c Cell>, Fault> {
         match self {
-            Self::Of(state) => store.cell(generation, state),
+            Self::Of(state, grain) => store.cell(generation, state, grain),
             Self::EndOf(state) => solid(store, generation, generation.model(state)),
         }
     }
@@ -124,7 +132,7 @@ impl Which {
     /// The cell, if it is there.
     fn kept(self, generation: &Generation) -> Option<&Cell> {
         match self {
-            Self::Of(state) => generation.kept(state),
+            Self::Of(state, grain) => generation.kept(state, grain),
             Self::EndOf(state) => match generation.ending(generation.model(state)) {
                 Some(Ending::Solid(cell)) => Some(cell),
                 Some(Ending::Looks(_)) | None => None,
@@ -141,7 +149,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         root: u32,
         cell_from_world: &'a Inwards,
     ) -> Self {
-        Self { store, generation, root: Root::State(root), cell_from_world, place: None }
+        Self { store, generation, root: Root::State(root), cell_from_world, place: None, other: None }
     }
 
     /// For rays through a cell by itself.
@@ -151,12 +159,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         root: &'a Cell,
         cell_from_world: &'a Inwards,
     ) -> Self {
-        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None }
+        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None, other: None }
     }
 
     /// Forgets where the last hit was: trails are about to be made anew.
     pub(super) fn forget(&mut self) {
-        self.place = None;
+        (self.place, self.other) = (None, None);
     }
 
     /// Adds what a ray sees, from front to back: the veils on the way and where it ends.
@@ -185,95 +193,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         Ok(())
     }
 
-    /// Adds the veils before a hit; whether anything is seen behind them.
-    #[cold]
-    #[inline(never)]
-    fn see_veils(
-        &mut self,
-        notes: &Notes,
-        hit: &Hit,
-        measuring: Option<&Measuring>,
-        seen: &mut Seen,
-    ) -> Result<bool, Fault> {
-        let before = |it: &&Veil| it.ray == hit.number && it.t < hit.depth;
-        let mut veils: SmallVec<[Veil; 16]> = notes.veils.iter().filter(before).copied().collect();
-        let order = |a: &Veil, b: &Veil| {
-            let path = |it: &Veil| notes.trails.path(it.mark);
-            a.t.total_cmp(&b.t).then_with(|| path(a).cmp(&path(b)))
-        };
-        veils.sort_by(order);
-        let mut left = 1.0;
-        for mut veil in veils {
-            left *= 1.0 - veil.coverage;
-            if left < CLOSED {
-                veil.coverage = 1.0;
-            }
-            self.go(notes, veil.mark)?;
-            self.see_veil(&veil, hit.ray, measuring, seen);
-            if left < CLOSED {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
-    /// Adds a fragment for each paint of what a veil stands for.
-    fn see_veil(&self, veil: &Veil, ray: &Ray, measuring: Option<&Measuring>, seen: &mut Seen) {
-        let Some(place) = &self.place else {
-            return;
-        };
-        let cell = self.cell_of(place);
-        let Some(part) = cell.parts.get(veil.mark.part as usize) else {
-            return;
-        };
-        let Named::Instance(instance) = part.member.named() else {
-            return;
-        };
-        let instance = &cell.instances[instance as usize];
-        let here = self.generation_of(&place.cell);
-        let model = here.model(instance.state);
-        let proxy = match here.ending(model) {
-            Some(Ending::Looks(proxy)) => Some(Arc::clone(proxy)),
-            Some(Ending::Solid(_)) => None,
-            None => match measuring.and_then(|it| it.knows(&here.state(model))) {
-                Some(Known::Looks(proxy)) => Some(proxy),
-                Some(Known::UnderWay) | None => None,
-            },
-        };
-        let local = self.local(place, ray).entered(&instance.way).0;
-        let mean = proxy.as_ref().map_or(-local.direction, |it| it.normal(local.direction));
-        let inner_from_world = instance.way.inner_from_outer.matrix3 * place.cell_from_world;
-        let position = ray.at(veil.t);
-        let normal = (inner_from_world.transpose() * mean).normalize();
-        let unknown = [(None, 1.0)];
-        let paints = proxy.as_ref().map_or(&unknown[..], |it| &it.paints);
-        let mut path = place.path.clone();
-        path.push(veil.mark.part);
-        let mut before = 0.0;
-        for (paint, share) in paints {
-            // All shares together hide what the veil hides.
-            let coverage = veil.coverage * share;
-            let of_rest = if before < 1.0 { (coverage / (1.0 - before)).min(1.0) } else { 0.0 };
-            before += coverage;
-            seen.push(Fragment {
-                coverage: of_rest,
-                spread: 1.0 - mean.length(),
-                open: proxy.as_ref().map_or(1.0, |it| it.open),
-                material: paint.or(part.material).or(place.material),
-                unknown: proxy.is_none(),
-                route: place.route_to(part),
-                site: Site { path: path.clone(), face: 0 },
-                ..Fragment::of_surface(veil.t, position, normal, part.origin)
-            });
-            // What is painted in there has no one place.
-            if paint.is_none() && proxy.is_some() {
-                self.stand(place, veil.mark.part, (ray, veil.t), seen);
-            }
-        }
-    }
-
     /// A ray in the frame of a place.
-    fn local(&self, place: &Place, ray: &Ray) -> Local {
+    pub(super) fn local(&self, place: &Place, ray: &Ray) -> Local {
         let mut local = Local::new(ray, self.cell_from_world);
         self.go_in(place, place.path.len(), |way| local = local.entered(way).0);
         local
@@ -296,7 +217,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             let Some(here) = held else {
                 break;
             };
-            let Some((way, state)) = self.cell_in(&here).way_into(number & !ENDED) else {
+            let Some((way, state)) = self.cell_in(&here).way_into(number & PART) else {
                 break;
             };
             enter(way);
@@ -304,7 +225,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
     }
 
-    fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
+    /// Where the last hit was.
+    pub(super) fn place(&self) -> Option<&Place<'g>> {
+        self.place.as_deref()
+    }
+
+    pub(super) fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
         self.cell_in(&place.cell)
     }
 
@@ -320,7 +246,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     }
 
     /// The generation in which states have the numbers that a cell gives them.
-    fn generation_of<'p>(&'p self, held: &'p Held) -> &'p Generation {
+    pub(super) fn generation_of<'p>(&'p self, held: &'p Held) -> &'p Generation {
         match held {
             Held::Kept(_) | Held::Root => self.generation,
             Held::Apart(generation, _) => generation,
@@ -329,9 +255,13 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 
     /// Goes to the cell of a surface, if the last one was not in the same.
     #[inline(always)]
-    fn go(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
-        if self.place.as_ref().is_none_or(|it| it.trail != mark.trail) {
-            self.place = Some(self.find(notes, mark)?);
+    pub(super) fn go(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
+        let is_elsewhere = |place: &Option<Box<Place>>| place.as_ref().is_none_or(|it| it.trail != mark.trail);
+        if is_elsewhere(&self.place) {
+            std::mem::swap(&mut self.place, &mut self.other);
+            if is_elsewhere(&self.place) {
+                self.place = Some(Box::new(self.find(notes, mark)?));
+            }
         }
         Ok(())
     }
@@ -352,7 +282,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         };
         for (depth, number) in path.iter().enumerate() {
             let cell = self.cell_of(&place);
-            let Some(part) = cell.parts.get((number & !ENDED) as usize) else {
+            let Some(part) = cell.parts.get((number & PART) as usize) else {
                 break;
             };
             let Named::Instance(instance) = part.member.named() else {
@@ -363,12 +293,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             let (route, frozen) =
                 if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
             let material = part.material.or(place.material);
-            let standing = part.material.is_some().then(|| Standing::of(cell, number & !ENDED, depth));
+            let standing = part.material.is_some().then(|| Standing::of(cell, number & PART, depth));
             let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
             if place.ways.len() == depth
                 && let Held::Kept(cell) = place.cell
             {
-                place.ways.extend(cell.way_into(number & !ENDED).map(|it| it.0));
+                place.ways.extend(cell.way_into(number & PART).map(|it| it.0));
             }
             if let Some(standing) = standing {
                 place.standing = standing.map(Box::new);
@@ -388,15 +318,22 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let Some(part) = cell.parts.get(mark.part as usize) else {
             return;
         };
-        let (normal, spread) = match part.member.named() {
+        let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                let outwards = self.normal(place, cell, leaf, mark.face, hit);
+                // What is cut by others is not carved.
+                let rough = if place.frozen || part.frozen {
+                    None
+                } else {
+                    rough_set(&self.store.roughs, cell, leaf, place.material).map(|it| it.1)
+                };
+                let face = cell.face(leaf, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
+                let outwards = self.normal(place, cell, (leaf, face), rough, hit);
                 let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
-                (if turned { -outwards } else { outwards }, 0.0)
+                (if turned { -outwards } else { outwards }, 0.0, face)
             }
             // The closed box that stands for an instance inside a Boolean.
-            _ => (-hit.ray.direction.normalize(), 0.5),
+            _ => (-hit.ray.direction.normalize(), 0.5, 0),
         };
         let mut path = place.path.clone();
         path.push(mark.part);
@@ -404,15 +341,32 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             spread,
             material: part.material.or(place.material),
             route: place.route_to(part),
-            site: Site { path, face: mark.face },
+            site: Site { path, face },
             ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
         self.stand(place, mark.part, (hit.ray, hit.depth), seen);
+        self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
+    }
+
+    /// Tells the last fragment where it is on the rind of its stem, if its look depends on that.
+    #[inline]
+    fn stand_on_stem(&self, place: &Place, number: u32, at: (&Ray, f64), seen: &mut Seen) {
+        let cell = self.cell_of(place);
+        let (Some(bark), Some(part)) = (cell.bark(number), cell.parts.get(number as usize)) else {
+            return;
+        };
+        if let Named::Leaf(leaf) = part.member.named()
+            && self.store.expander.is_on_stems(part.material.or(place.material))
+        {
+            let leaf_from_cell = cell.leaves[leaf as usize].leaf_from_cell;
+            let standing = Standing { ways: place.path.len(), paint_from_cell: leaf_from_cell };
+            seen.paint_on_stem(self.painted(place, &standing, at).on(&bark.rind));
+        }
     }
 
     /// Tells the last fragment where it is in the frame in which its paint stands, if its look depends on that.
     #[inline]
-    fn stand(&self, place: &Place, part: u32, at: (&Ray, f64), seen: &mut Seen) {
+    pub(super) fn stand(&self, place: &Place, part: u32, at: (&Ray, f64), seen: &mut Seen) {
         let cell = self.cell_of(place);
         if place.standing.is_none() && cell.painted.is_empty() {
             return;
@@ -444,21 +398,31 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
     /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
     #[inline]
-    fn normal(&self, place: &Place, cell: &Cell, leaf: &Leaf, face: u8, hit: &Hit) -> DVec3 {
-        let primitive = cell.primitive(leaf);
-        let point = if primitive.is_flat(face) {
-            DVec3::ZERO
-        } else {
-            point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
-        };
-        let normal = leaf.leaf_from_cell.matrix3.transpose() * primitive.normal(point, face);
+    fn normal(
+        &self,
+        place: &Place,
+        cell: &Cell,
+        (leaf, face): (&Leaf, u16),
+        rough: Option<&Rough>,
+        hit: &Hit,
+    ) -> DVec3 {
+        let normal = cell.with_primitive(leaf, |primitive| {
+            let point = if primitive.is_flat(face) && rough.is_none() {
+                DVec3::ZERO
+            } else {
+                point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
+            };
+            let normal = primitive.normal(point, face);
+            rough.map_or(normal, |it| it.normal(normal, point))
+        });
+        let normal = leaf.leaf_from_cell.matrix3.transpose() * normal;
         let normal = place.cell_from_world.transpose() * (normal * (1.0 / normal.abs().max_element()));
         normal.normalize()
     }
 
     fn held_root(&self) -> Result<Held<'g>, Fault> {
         match self.root {
-            Root::State(state) => self.inside(Held::Root, Which::Of(state)),
+            Root::State(state) => self.inside(Held::Root, Which::Of(state, Grain::Fine)),
             Root::Cell(_) => Ok(Held::Root),
         }
     }
@@ -481,14 +445,15 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// A cell for which there is no room in a generation.
     fn apart(&self, outer: &Generation, which: Which) -> Result<Held<'g>, Fault> {
         let apart = Box::new(outer.apart(which.state()));
-        self.store.cell(&apart, ROOT)?;
-        Ok(Held::Apart(apart, Which::Of(ROOT)))
+        let which = which.of_root();
+        which.cell(self.store, &apart)?;
+        Ok(Held::Apart(apart, which))
     }
 }
 
 impl Place<'_> {
     /// A hash of the whole route to a part.
-    fn route_to(&self, part: &Part) -> u64 {
+    pub(super) fn route_to(&self, part: &Part) -> u64 {
         if self.frozen { self.route } else { self.route.then(part.route) }.hash()
     }
 }
@@ -505,6 +470,11 @@ fn near_one(matrix: DMat3) -> DMat3 {
     }
     let factor = 1.0 / size;
     DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
+}
+
+/// A ray in the frame of a leaf, and `t` there.
+fn line_in(local: &Local, leaf: &Leaf, t: f64) -> (Ray, f64) {
+    (local.line(&leaf.leaf_from_cell), local.own(t))
 }
 
 /// The point at `t` in the frame of a leaf.

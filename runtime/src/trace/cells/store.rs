@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::build;
-use super::cell::Cell;
+use super::cell::{Cell, Grain};
 use super::ending::Ending;
 use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
@@ -24,6 +24,7 @@ use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
 use crate::limits::Limits;
 use crate::quick_hash::BuildQuickHash;
+use crate::texture::Roughs;
 use crate::trace::{Expander, State};
 
 /// Bytes that a workshop may keep whatever the budget.
@@ -36,6 +37,8 @@ const MOST_BENCH: usize = 64 << 20;
 pub(super) struct Store<'s> {
     pub(super) expander: Expander<'s>,
     pub(super) survey: Survey,
+    /// How the surfaces of its materials are carved.
+    pub(super) roughs: Roughs,
     /// One box for each module, if those are what is looked at.
     pub(super) hyper: Option<HyperBoxes>,
     pub(super) limits: Limits,
@@ -63,7 +66,8 @@ struct Kept {
 #[derive(Debug)]
 pub(super) struct Generation {
     names: Mutex<Names>,
-    cells: Chunks<OnceLock<Box<Cell>>>,
+    /// By grain.
+    cells: [Chunks<OnceLock<Box<Cell>>>; 2],
     endings: Chunks<OnceLock<Box<Ending>>>,
     /// The numbers of the states that look from far away as others do.
     models: Chunks<OnceLock<u32>>,
@@ -120,6 +124,7 @@ impl<'s> Store<'s> {
         Ok(Self {
             expander,
             survey: Survey::new(scene, limits),
+            roughs: Roughs::new(&scene.materials, scene.seed),
             hyper: None,
             limits: *limits,
             benches: Mutex::default(),
@@ -181,21 +186,26 @@ impl<'s> Store<'s> {
     ///
     /// # Errors
     /// What fails in building it.
-    pub(super) fn cell<'g>(&self, generation: &'g Generation, number: u32) -> Result<Option<&'g Cell>, Fault> {
-        if let Some(cell) = generation.kept(number) {
+    pub(super) fn cell<'g>(
+        &self,
+        generation: &'g Generation,
+        number: u32,
+        grain: Grain,
+    ) -> Result<Option<&'g Cell>, Fault> {
+        if let Some(cell) = generation.kept(number, grain) {
             return Ok(Some(cell));
         }
         if !generation.has_room() {
             return Ok(None);
         }
-        let cell = match generation.carried_over(number) {
+        let cell = match generation.carried_over(number, grain) {
             Some(cell) => cell,
             None => {
                 self.built.fetch_add(1, Ordering::Relaxed);
-                build::build(self, generation, number)?
+                build::build(self, generation, number, grain)?
             }
         };
-        let kept = generation.keep(number, cell);
+        let kept = generation.keep((number, grain), cell);
         self.most_cells.fetch_max(generation.count.load(Ordering::Relaxed), Ordering::Relaxed);
         Ok(kept)
     }
@@ -235,7 +245,7 @@ impl Generation {
     ) -> Self {
         let generation = Self {
             names: Mutex::default(),
-            cells: Chunks::new(),
+            cells: [Chunks::new(), Chunks::new()],
             endings: Chunks::new(),
             models: Chunks::new(),
             looks: Arc::clone(looks),
@@ -251,10 +261,10 @@ impl Generation {
     }
 
     /// The cell of a state as the generation before has it.
-    fn carried_over(&self, number: u32) -> Option<Cell> {
+    fn carried_over(&self, number: u32, grain: Grain) -> Option<Cell> {
         let before = lock(&self.before).clone()?;
         let there = lock(&before.names).numbers.get(&self.state(number)).copied()?;
-        let cell = before.kept(there)?;
+        let cell = before.kept(there, grain)?;
         Some(cell.renumbered(|it| self.number(&before.state(it))))
     }
 
@@ -302,8 +312,8 @@ impl Generation {
 
     /// The cell of a state, if it is there.
     #[inline(always)]
-    pub(super) fn kept(&self, number: u32) -> Option<&Cell> {
-        self.cells.at(number).get().map(AsRef::as_ref)
+    pub(super) fn kept(&self, number: u32, grain: Grain) -> Option<&Cell> {
+        self.cells[grain as usize].at(number).get().map(AsRef::as_ref)
     }
 
     /// The state that looks from far away as this one does: where what is below draws, one that stands for all with the same
@@ -346,12 +356,12 @@ impl Generation {
     }
 
     /// Keeps a cell, if there is room for it and no other thread was quicker.
-    fn keep(&self, number: u32, cell: Cell) -> Option<&Cell> {
+    fn keep(&self, (number, grain): (u32, Grain), cell: Cell) -> Option<&Cell> {
         let bytes = cell.bytes() + size_of::<Cell>();
         let before = self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
         let is_first = self.count.fetch_add(1, Ordering::Relaxed) == 0;
         let fits = is_first || before + bytes as u64 <= self.most;
-        let place = self.cells.at(number);
+        let place = self.cells[grain as usize].at(number);
         if fits && place.set(Box::new(cell)).is_ok() {
             self.kept.add(bytes as u64);
         } else {

@@ -101,7 +101,7 @@ impl Workshop<'_, '_> {
     fn loose_of(&mut self, piece: &Piece) -> Result<Loose, Fault> {
         let map = &piece.outer_from_inner;
         match &piece.shape {
-            Shape::Leaf(primitive, _) => Ok(Loose::of_primitive(primitive, map)),
+            Shape::Leaf(primitive, ..) => Ok(Loose::of_primitive(primitive, map)),
             Shape::Instance(state, _) => self.loose_through(*state, map),
             Shape::Intersect(operands) => {
                 let mut whole: Option<Loose> = None;
@@ -164,7 +164,7 @@ impl Reach {
             let inner = map.matrix3.transpose() * direction;
             let offset = offset + map.translation.dot(direction);
             match &piece.shape {
-                Shape::Leaf(primitive, _) => self.best = self.best.max(offset + primitive.support(inner)),
+                Shape::Leaf(primitive, ..) => self.best = self.best.max(offset + primitive.support(inner)),
                 Shape::Instance(state, _) => self.meet(shop, *state, inner, offset)?,
                 Shape::Intersect(operands) => {
                     let mut least = f64::INFINITY;
@@ -185,6 +185,10 @@ impl Reach {
 
     fn meet(&mut self, shop: &mut Workshop, state: u32, direction: DVec3, offset: f64) -> Result<(), Fault> {
         let most = offset + shop.reach(state, direction)?;
+        if most > self.best && shop.is_vast(state)? {
+            // Something of it lies in its bounds, if anything. Its primitives may be without end, and never found.
+            self.best = self.best.max((offset - shop.reach(state, -direction)?).min(most));
+        }
         if most > self.best && shop.is_rare(state) && shop.has_small_parts(state)? {
             // To look into it would take as long as to make what is in it, and that is of use once only.
             self.best = most;

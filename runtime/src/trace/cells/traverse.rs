@@ -4,18 +4,20 @@
 //! is in. Only cells that are not kept, and Booleans, call for a search inside the search.
 
 use super::ROOT;
-use super::ask::{Ask, Event, Mark, NONE, Question};
+use super::ask::{Ask, Event, Mark, NONE, Question, Veil};
 use super::boolean::{Pieces, Place};
 use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
-use super::cell::{Boolean, Cell, Instance, Leaf, LeafShape, Named, Ref};
+use super::cell::{Boolean, Cell, ENDED, Grain, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
-use super::ending::{ENDED, Met as Ended, ending, veil};
+use super::ending::{Met as Ended, ending, veil};
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::Origin;
-use crate::geometry::{FACE, Side};
+use crate::form::{MaterialId, Origin};
+use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Side};
 use crate::lanes::{Kernel, One};
+use crate::texture::{Rough, Roughs};
+use crate::trace::Site;
 
 /// What all searches share.
 pub(super) struct Tracing<'a, 's, K> {
@@ -49,6 +51,8 @@ pub(super) struct Passage {
     pub(super) levels: u32,
     /// At least the length in the world of what is 1 long in it; infinite where recursion is followed to its end.
     pub(super) unit: f64,
+    /// The paint on the way to it.
+    pub(super) paint: Option<MaterialId>,
 }
 
 /// The stacks of a search, kept from ray to ray.
@@ -237,7 +241,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             next = None;
             match what.named() {
                 Named::Node(node) => next = self.node(ask, number, node),
-                Named::Leaf(number) => leaf(ask, cell, &cell.leaves[number as usize], &frame.passage),
+                Named::Leaf(number) => {
+                    leaf(ask, &self.tracing.store.roughs, cell, &cell.leaves[number as usize], &frame.passage);
+                }
                 Named::Instance(instance) => next = self.instance(ask, &cell.instances[instance as usize])?,
                 Named::Boolean(boolean) => self.boolean(ask, &cell.booleans[boolean as usize])?,
             }
@@ -297,23 +303,31 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         };
         let position = passage.position + 1;
         let (state, called, levels) = (instance.state, part.origin, passage.levels + part.levels);
-        if instance.side * passage.unit < ask.girth.at(ray.start()) {
+        let girth = ask.girth.at(ray.start());
+        if instance.side * passage.unit < girth {
             return self.end(ask, instance, &ray, boxes);
         }
         if instance.is_missed(&ray) {
             return Ok(None);
         }
-        let from = if passage.from == instance.part { ask.start_part(position as usize) } else { NONE };
-        let trail = ask.notes.trails.on(passage.trail, instance.part);
+        let grain = match instance.starts_in(passage.from) {
+            Some(grain) => grain,
+            None if instance.coarse * passage.unit < girth => Grain::Coarse,
+            None => Grain::Fine,
+        };
+        let number = instance.part | grain.bits();
+        let from = if passage.from == number { ask.start_part(position as usize) } else { NONE };
+        let trail = ask.notes.trails.on(passage.trail, number);
         let unit = passage.unit * instance.way.unit;
-        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit };
-        let cell = match self.generation.kept(state) {
+        let paint = part.material.or(passage.paint);
+        let passage = Passage { state, called, ray, boxes, from, trail, position, levels, unit, paint };
+        let cell = match self.generation.kept(state, grain) {
             Some(cell) => Some(cell),
-            None => self.made(state, called)?,
+            None => self.made((state, grain), called)?,
         };
         match cell {
             Some(cell) => self.enter(ask, Start { cell, passage }),
-            None => self.apart(ask, passage).map(|()| None),
+            None => self.apart(ask, passage, grain).map(|()| None),
         }
     }
 
@@ -328,8 +342,10 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let cell = match ending(self.tracing, self.generation, instance.state, part.origin, ask)? {
             Ended::Solid(cell) => cell,
             looks => {
-                if passage.from != instance.part {
-                    look_at(ask, instance, passage.trail, &passage.ray, ray, &looks);
+                if passage.from != instance.part
+                    && let Some(veil) = look_at(ask.ray, instance, passage.trail, (&passage.ray, ray), &looks)
+                {
+                    ask.veil(veil);
                 }
                 return Ok(None);
             }
@@ -345,6 +361,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             position,
             levels: passage.levels + part.levels,
             unit: f64::INFINITY,
+            paint: part.material.or(passage.paint),
         };
         self.enter(ask, Start { cell, passage: inner })
     }
@@ -352,20 +369,20 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// A cell that is not there yet; none if there is no room to keep it.
     #[cold]
     #[inline(never)]
-    fn made(&self, state: u32, called: Origin) -> Result<Option<&'g Cell>, Stop> {
+    fn made(&self, (state, grain): (u32, Grain), called: Origin) -> Result<Option<&'g Cell>, Stop> {
         let store = self.tracing.store;
-        let made = store.cell(self.generation, state);
+        let made = store.cell(self.generation, state, grain);
         made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(self.generation, state, called)))))
     }
 
     /// Goes through a cell that there is no room to keep.
     #[cold]
     #[inline(never)]
-    fn apart(&self, ask: &mut Ask, passage: Passage) -> Result<(), Stop> {
+    fn apart(&self, ask: &mut Ask, passage: Passage, grain: Grain) -> Result<(), Stop> {
         let Passage { state, called, .. } = passage;
         let (store, apart) = (self.tracing.store, self.generation.apart(state));
         let led = |fault| led_by(fault, std::iter::once(store.step(self.generation, state, called)));
-        let Some(cell) = store.cell(&apart, ROOT).map_err(led)? else {
+        let Some(cell) = store.cell(&apart, ROOT, grain).map_err(led)? else {
             return Ok(());
         };
         let start = Start { cell, passage: Passage { state: ROOT, ..passage } };
@@ -385,6 +402,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(());
         };
+        if boolean.parts.contains(&passage.from) && ask.goes_through() {
+            return Ok(());
+        }
         let place = Place::new(cell, passage);
         let range = if self.tracing.cull {
             let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
@@ -406,44 +426,86 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     }
 }
 
-/// What the looks of an instance say to the question.
-pub(super) fn look_at(ask: &mut Ask, instance: &Instance, trail: u32, outer: &Local, inner: &Local, looks: &Ended) {
-    let proxy = if let Ended::Looks(proxy) = looks { Some(&**proxy) } else { None };
-    if let Some((t, coverage)) = veil(instance, outer, inner, proxy) {
-        ask.veil(t, coverage, Mark { trail, part: instance.part, face: 0 });
-    }
+/// The veil that the looks of an instance are to a ray, which is given outside of it and inside.
+pub(super) fn look_at(
+    ray: u8,
+    instance: &Instance,
+    trail: u32,
+    (outer, inner): (&Local, &Local),
+    looks: &Ended,
+) -> Option<Veil> {
+    let proxy = looks.proxy();
+    let (t, coverage) = veil(instance, outer, inner, proxy)?;
+    let mark = Mark { trail, part: instance.part, face: 0 };
+    Some(Veil { ray, t, coverage, looks: proxy.map_or(0, |it| it.kind), mark })
 }
 
 /// What a leaf says to the question.
 #[inline(always)]
-pub(super) fn leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, passage: &Passage) {
+pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
         let ray = passage.ray.counted_from_start();
-        if !is_left(leaf, &ray, ask.start_face()) {
+        if !is_left(cell, leaf, &ray, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
+    } else if passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part) {
+        // It belongs to what the light goes through.
+    } else if let Some((set, rough)) = rough_set(roughs, cell, leaf, passage.paint) {
+        meet_rough(ask, rough, set, leaf, passage);
     } else {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
     }
 }
 
+/// A leaf as a convex set, and how its surface is carved, if it is. `paint` is what is on the way to its cell.
+#[inline(always)]
+pub(super) fn rough_set<'c>(
+    roughs: &'c Roughs,
+    cell: &'c Cell,
+    leaf: &Leaf,
+    paint: Option<MaterialId>,
+) -> Option<(&'c ConvexSet, &'c Rough)> {
+    let set = cell.set(leaf)?;
+    let own = cell.parts.get(leaf.part as usize).and_then(|it| it.material);
+    Some((set, roughs.of(own.or(paint))?))
+}
+
+/// What a carved set says to the question.
+#[cold]
+#[inline(never)]
+fn meet_rough(ask: &mut Ask, rough: &Rough, set: &ConvexSet, leaf: &Leaf, passage: &Passage) {
+    let ray = &passage.ray;
+    let line = ray.line(&leaf.leaf_from_cell);
+    if let Some(chord) = set.chord(&line, None).and_then(|it| rough.left(set, &line, it)) {
+        let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
+        let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
+        ask.meet(event(chord.near.t), Some(event(chord.far.t)));
+    }
+}
+
 /// Whether a ray that starts on a leaf will not meet it again.
 #[inline(always)]
-pub(super) fn is_left(leaf: &Leaf, ray: &Local, face: Option<u8>) -> bool {
+pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, face: Option<u16>) -> bool {
+    let line = || ray.line(&leaf.leaf_from_cell);
     match (leaf.shape, face) {
-        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &ray.line(&leaf.leaf_from_cell)),
-        (LeafShape::Convex(_) | LeafShape::Other(_), _) => false,
+        (_, Some(Site::THROUGH)) => true,
+        (LeafShape::Hull(_), Some(face)) => cell.set(leaf).is_some_and(|it| it.is_left_by(face, &line())),
+        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &line()),
+        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
     }
 }
 
 #[inline(always)]
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
-    let convex = match leaf.shape {
-        LeafShape::Convex(convex) if ray.is_tame() => convex,
-        LeafShape::Convex(_) | LeafShape::Other(_) => return meet_primitive(ask, cell, leaf, trail, ray, None),
+    let lines = || ray.lines(&leaf.leaf_from_cell);
+    let pieces = match (leaf.shape, cell.set(leaf)) {
+        (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
+        (LeafShape::Hull(_), Some(set)) if ray.is_tame() => set.pieces(One::new(), &lines()),
+        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => {
+            return meet_primitive(ask, cell, leaf, trail, ray, None);
+        }
     };
-    let pieces = convex.pieces(One::new(), &ray.lines(&leaf.leaf_from_cell));
     if pieces.odd.value {
         return meet_primitive(ask, cell, leaf, trail, ray, None);
     }
@@ -459,21 +521,42 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
 /// What a leaf says to the question that is no convex primitive, or whose ray is out of the ordinary.
 #[cold]
 #[inline(never)]
-fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u8>) {
-    let primitive = cell.primitive(leaf);
+fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u16>) {
     let line = ray.line(&leaf.leaf_from_cell);
-    let event = |t: f64, face: u8| {
-        let mark = Mark { trail, part: leaf.part, face };
+    let event = |t: f64, face: u16| {
+        let mark = Mark { trail, part: leaf.part, face: leaf.marked(face) };
         Event { t: ray.world(t), mark, flipped: false }
     };
     if leaf.solid {
-        for chord in primitive.chords(&line, from) {
+        let relief = cell.relief(leaf);
+        if let Some(relief) = &relief
+            && let Some(entry) = first_entry(ask, relief, &line, ray, from)
+        {
+            entry
+                .iter()
+                .for_each(|it| ask.meet(event(it.t, it.face), Some(Event { t: f64::MAX, ..event(it.t, it.face) })));
+            return;
+        }
+        for chord in cell.chords(leaf, &line, from) {
             let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
             ask.meet(near, Some(far));
         }
-    } else if let Some(crossing) = primitive.crossing(&line, from) {
+    } else if let Some(crossing) = cell.with_primitive(leaf, |it| it.crossing(&line, from)) {
         ask.meet(event(crossing.t, crossing.face), None);
     }
+}
+
+/// Where a ray first comes into a relief, or that it does not, if that is all that is asked: it starts outside or on the surface.
+fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option<u16>) -> Option<Option<Crossing>> {
+    if !matches!(ask.question, Question::Nearest | Question::Any) {
+        return None;
+    }
+    let outer = relief.primitive().chords(line, None);
+    let (near, far) = outer.first().map_or((f64::INFINITY, 0.0), |it| (ray.world(it.near.t), ray.world(it.far.t)));
+    if from.is_none() && (near > ask.best || far < 0.0) {
+        return Some(None);
+    }
+    (from.is_some() || near > 0.0).then(|| relief.entry(line, from))
 }
 
 /// Where on a ray nothing more is of interest.

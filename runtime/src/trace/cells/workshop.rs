@@ -12,7 +12,7 @@ use std::sync::atomic::Ordering;
 
 use glam::DAffine3;
 
-use super::cell::Frame;
+use super::cell::{Frame, Grain};
 use super::piece::Piece;
 use super::store::{Store, lock};
 use crate::abstraction::{Count, Extent, Loose, Scout};
@@ -40,10 +40,21 @@ impl Measure {
     /// For states that hardly ever come again: most of the work is to expand them, and large cells hold much that no ray sees.
     const UNIQUE: Self = Self { enough: 64, most: 256, small: 16 };
 
+    /// The same for cells of a grain.
+    pub(super) fn of(self, grain: Grain) -> Self {
+        match grain {
+            Grain::Fine => self,
+            Grain::Coarse => Self { enough: 16, most: 64, ..self },
+        }
+    }
+
     fn is_small(self, count: Count) -> bool {
         count.primitives <= self.small && count.states <= 2 * self.small
     }
 }
+
+/// Primitives from which on a state is vast.
+const VAST: u64 = 1 << 20;
 
 /// What a workshop has at hand.
 #[derive(Debug)]
@@ -279,6 +290,23 @@ impl<'a, 's> Workshop<'a, 's> {
     pub(super) fn is_small(&mut self, number: u32) -> Result<bool, Fault> {
         let measure = self.measure(number);
         self.extent(number).map(|it| measure.is_small(it.count))
+    }
+
+    /// Whether a state may stand for more primitives than a search should go on for.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn is_vast(&mut self, number: u32) -> Result<bool, Fault> {
+        self.extent(number).map(|it| it.count.primitives >= VAST)
+    }
+
+    /// Whether a state's cell has so many members that another with fewer is of use.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn is_worth_a_coarse_cell(&mut self, number: u32) -> Result<bool, Fault> {
+        let Measure { enough, .. } = self.measure(number);
+        self.extent(number).map(|it| it.count.primitives > enough as u64)
     }
 
     /// Whether all states in a state are small. (Those may be more: what is known of each by itself is more.)

@@ -1,0 +1,99 @@
+//! Drawing what a tour meets.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::frame::{Frame, Piece, Shape};
+use super::hull::{self, Hull, Registers};
+use super::model::Run;
+use super::solid::{self, Meeting};
+use super::tour::{Met, What};
+use super::triangle::{self, Seeing};
+use crate::form::PrimitiveKind;
+use crate::geometry::Aabb;
+use crate::mesh::Surface;
+use crate::texture::Roughs;
+
+/// Draws what is met and says what it is; `roughs` say how hulls are carved.
+pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, roughs: &Roughs, met: &Met<'_>) {
+    if draw(frame, registers, roughs, met, Meeting::First) {
+        let own_from_world = Box::new(met.world_from_own.inverse());
+        let shape = match met.what {
+            What::Primitive(primitive) => {
+                let rough = primitive.hull().and_then(|_| roughs.of(met.look.material)).cloned();
+                Shape::Primitive(primitive.clone(), own_from_world, rough)
+            }
+            What::Surface(surface, _) => Shape::Surface(Arc::clone(surface), own_from_world),
+        };
+        frame.say(Piece { look: met.look, shape });
+    }
+}
+
+/// Draws what is met as the piece of the next number: solids where rays meet them so. Says whether any of it is seen.
+pub(crate) fn draw(
+    frame: &mut Frame,
+    registers: &mut Registers,
+    roughs: &Roughs,
+    met: &Met<'_>,
+    meeting: Meeting,
+) -> bool {
+    let map = &met.world_from_own;
+    if let What::Primitive(primitive) = met.what
+        && let Some(set) = primitive.hull()
+    {
+        let hull = Hull { primitive, set, world_from_own: map, rough: roughs.of(met.look.material) };
+        return hull::draw(frame, registers, hull, meeting);
+    }
+    match met.what {
+        What::Primitive(primitive) if primitive.kind() == PrimitiveKind::Triangle => {
+            let seeing = Seeing::new(frame);
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|it| seeing.corner(map.transform_point3(it)));
+            triangle::draw(frame, &seeing, &corners, 0)
+        }
+        What::Primitive(primitive) => solid::draw(frame, primitive, map, meeting),
+        What::Surface(surface, run) => {
+            let seeing = Seeing::new(frame);
+            let mut is_seen = false;
+            for (number, corners) in triangles(surface, run) {
+                let corners = corners.map(|it| seeing.corner(map.transform_point3(it)));
+                is_seen |= triangle::draw(frame, &seeing, &corners, number);
+            }
+            is_seen
+        }
+    }
+}
+
+impl What<'_> {
+    /// Whether it has no end.
+    pub(crate) fn is_endless(&self) -> bool {
+        match self {
+            Self::Primitive(primitive) => !primitive.bounds().is_finite(),
+            Self::Surface(..) => false,
+        }
+    }
+
+    /// How far it reaches in a direction of its own frame.
+    pub(crate) fn support(&self, direction: DVec3) -> f64 {
+        match self {
+            Self::Primitive(primitive) => primitive.support(direction),
+            Self::Surface(surface, run) => {
+                let corners = triangles(surface, *run).flat_map(|it| it.1);
+                corners.map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+            }
+        }
+    }
+}
+
+/// The box around some triangles.
+pub(crate) fn bounds(surface: &Surface, run: Run) -> Aabb {
+    let corners = triangles(surface, run).flat_map(|it| it.1);
+    corners.fold(Aabb::EMPTY, |all, it| all.union(&Aabb { min: it, max: it }))
+}
+
+/// Some triangles with their numbers.
+fn triangles(surface: &Surface, Run(first, end): Run) -> impl Iterator<Item = (u32, [DVec3; 3])> {
+    let point = |it: u32| DVec3::from_array(surface.vertices()[it as usize].position.map(f64::from));
+    let run = first as usize..end as usize;
+    (first..end).zip(surface.triangles()[run].iter().map(move |it| it.map(point)))
+}

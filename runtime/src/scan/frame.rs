@@ -1,0 +1,272 @@
+//! The frame buffer of a tile: what lies nearest at each sample.
+//!
+//! A frame has several **grids**, one for each sample that the pixels of the tile are given: all pixels have their samples in one
+//! pattern, so those of one number stand in rows and columns a pixel apart. Whoever draws goes through the grids one by one, puts what lies
+//! nearer than what is there, and says once what its surface is: a [`Piece`]. So what is hidden is never shaded, and whoever shades does not
+//! know who drew.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use super::outline::DOUBT;
+use super::projection::{Plane, Projection};
+use super::tour::Look;
+use crate::geometry::Primitive;
+use crate::mesh::Surface;
+use crate::picture::Rect;
+use crate::texture::Rough;
+use crate::trace::{Beam, Fragment, Painted, Seen};
+
+/// Depth and surface of every sample of a tile.
+#[derive(Debug)]
+pub(crate) struct Frame {
+    projection: Projection,
+    rect: Rect,
+    /// Where the samples of each grid lie, from the pixels' centres.
+    offsets: Vec<DVec2>,
+    /// Grid by grid, row by row.
+    samples: Vec<Sample>,
+    pieces: Vec<Piece>,
+}
+
+/// What is nearest at a sample.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// Along the axis of view; infinite where nothing is seen.
+    depth: f64,
+    piece: u32,
+    face: u32,
+}
+
+/// A surface that is drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    /// What it looks like.
+    pub(crate) look: Look,
+    /// What its normals are.
+    pub(crate) shape: Shape,
+}
+
+/// The form of a [`Piece`].
+#[derive(Clone, Debug)]
+pub(crate) enum Shape {
+    /// A primitive: normals are those of its faces, or of a carved surface.
+    Primitive(Primitive, Box<DAffine3>, Option<Arc<Rough>>),
+    /// Triangles: normals lie between those of their corners.
+    Surface(Arc<Surface>, Box<DAffine3>),
+}
+
+/// One grid of a frame, to be drawn into.
+#[derive(Debug)]
+pub(crate) struct Grid<'f> {
+    /// Where the sample of the pixel (0, 0) of the whole picture lies, as the projection measures it.
+    pub(crate) origin: DVec2,
+    /// The pixels, in the whole picture.
+    pub(crate) rect: Rect,
+    samples: &'f mut [Sample],
+}
+
+/// So many pieces are few.
+const LEAST_PIECES: usize = 1024;
+
+const NOTHING: Sample = Sample { depth: f64::INFINITY, piece: 0, face: 0 };
+
+impl Frame {
+    /// A frame of no pixels.
+    pub(crate) fn new(projection: Projection) -> Self {
+        let rect = Rect { x: 0, y: 0, width: 0, height: 0 };
+        Self { projection, rect, offsets: Vec::new(), samples: Vec::new(), pieces: Vec::new() }
+    }
+
+    /// Begins anew, with a grid for each of these offsets: nothing is seen yet.
+    pub(crate) fn clear(&mut self, rect: Rect, offsets: &[DVec2]) {
+        self.rect = rect;
+        self.offsets.clear();
+        self.offsets.extend_from_slice(offsets);
+        self.samples.clear();
+        self.samples.resize(rect.width as usize * rect.height as usize * offsets.len(), NOTHING);
+        self.pieces.clear();
+    }
+
+    /// What it is seen by.
+    pub(crate) fn projection(&self) -> &Projection {
+        &self.projection
+    }
+
+    /// The planes around what its samples may see.
+    pub(crate) fn planes(&self) -> [Plane; 5] {
+        let (low, high) = self.reach();
+        self.projection.planes(low - DOUBT, high + DOUBT)
+    }
+
+    /// The corners of the part of the picture in which its samples lie.
+    fn reach(&self) -> (DVec2, DVec2) {
+        let low = DVec2::new(f64::from(self.rect.x), f64::from(self.rect.y)) + 0.5;
+        let size = DVec2::new(f64::from(self.rect.width), f64::from(self.rect.height)) - 1.0;
+        let least = self.offsets.iter().fold(DVec2::INFINITY, |least, it| least.min(*it));
+        let most = self.offsets.iter().fold(DVec2::NEG_INFINITY, |most, it| most.max(*it));
+        (low + least, low + size + most)
+    }
+
+    /// The corner of the tile.
+    pub(crate) fn corner(&self) -> DVec2 {
+        DVec2::new(f64::from(self.rect.x), f64::from(self.rect.y))
+    }
+
+    /// How many grids there are.
+    pub(crate) fn grids(&self) -> usize {
+        self.offsets.len()
+    }
+
+    /// The grid of this number.
+    pub(crate) fn grid(&mut self, number: usize) -> Grid<'_> {
+        let count = self.rect.width as usize * self.rect.height as usize;
+        let samples = &mut self.samples[number * count..(number + 1) * count];
+        Grid { origin: self.offsets[number] + 0.5, rect: self.rect, samples }
+    }
+
+    /// The depths of all samples, grid by grid and row by row.
+    pub(crate) fn depths(&self) -> impl Iterator<Item = f64> {
+        self.samples.iter().map(|it| it.depth)
+    }
+
+    /// The number of the piece that is said next: samples may be given it before.
+    pub(crate) fn next_piece(&self) -> u32 {
+        self.pieces.len() as u32
+    }
+
+    /// Says what the surface of the next number is.
+    pub(crate) fn say(&mut self, piece: Piece) {
+        self.pieces.push(piece);
+        if self.pieces.len() >= 2 * self.samples.len().max(LEAST_PIECES) {
+            self.forget_hidden();
+        }
+    }
+
+    /// Forgets the pieces of which nothing is seen any more: at most one a sample is left.
+    fn forget_hidden(&mut self) {
+        const HIDDEN: u32 = u32::MAX;
+        let mut numbers = vec![HIDDEN; self.pieces.len()];
+        for sample in self.samples.iter().filter(|it| it.depth < f64::INFINITY) {
+            numbers[sample.piece as usize] = 0;
+        }
+        for (kept, number) in numbers.iter_mut().filter(|it| **it != HIDDEN).enumerate() {
+            *number = kept as u32;
+        }
+        let mut is_seen = numbers.iter().map(|it| *it != HIDDEN);
+        self.pieces.retain(|_| is_seen.next().unwrap_or(false));
+        for sample in self.samples.iter_mut().filter(|it| it.depth < f64::INFINITY) {
+            sample.piece = numbers[sample.piece as usize];
+        }
+    }
+
+    /// Adds what a sample sees, along its beam, as a ray.
+    pub(crate) fn see(&self, grid: usize, (x, y): (u32, u32), beam: &Beam, seen: &mut Seen) {
+        let (width, height) = (self.rect.width as usize, self.rect.height as usize);
+        let (column, row) = ((x - self.rect.x) as usize, (y - self.rect.y) as usize);
+        let sample = self.samples[(grid * height + row) * width + column];
+        if sample.depth < f64::INFINITY
+            && let Some(piece) = self.pieces.get(sample.piece as usize)
+        {
+            // Depths are measured along the axis, and beams have directions of length 1.
+            let t = sample.depth / beam.ray.direction.dot(self.projection.forward);
+            piece.see(t, sample.face, beam, seen);
+        }
+        seen.end_ray();
+    }
+}
+
+impl Grid<'_> {
+    /// Draws a face of a piece at a sample, if it is nearer than what is there; says whether it is.
+    #[inline]
+    pub(crate) fn put(&mut self, column: usize, row: usize, depth: f64, piece: u32, face: u32) -> bool {
+        let sample = &mut self.samples[row * self.rect.width as usize + column];
+        let is_nearer = depth > 0.0 && depth < sample.depth;
+        if is_nearer {
+            *sample = Sample { depth, piece, face };
+        }
+        is_nearer
+    }
+
+    /// Where the sample of a column and a row of the rectangle lies in the picture.
+    #[inline]
+    pub(crate) fn at(&self, column: usize, row: usize) -> DVec2 {
+        let pixel = DVec2::new(f64::from(self.rect.x) + column as f64, f64::from(self.rect.y) + row as f64);
+        pixel + self.origin
+    }
+}
+
+impl Piece {
+    fn see(&self, t: f64, face: u32, beam: &Beam, seen: &mut Seen) {
+        let position = beam.ray.at(t);
+        let normal = self.shape.normal(position, face, beam);
+        seen.push(Fragment {
+            material: self.look.material,
+            route: self.look.route,
+            ..Fragment::of_surface(t, position, normal, self.look.origin)
+        });
+        if let Some(world_from_paint) = &self.look.world_from_paint {
+            let paint_from_world = world_from_paint.inverse();
+            let position = paint_from_world.transform_point3(position);
+            seen.paint(Painted { position, paint_from_world: paint_from_world.matrix3 });
+        }
+    }
+}
+
+impl Shape {
+    fn normal(&self, position: DVec3, face: u32, beam: &Beam) -> DVec3 {
+        let (own, own_from_world, is_solid) = match self {
+            Self::Primitive(primitive, own_from_world, rough) => {
+                let point = own_from_world.transform_point3(position);
+                let own = primitive.normal(point, face as u16);
+                let own = rough.as_ref().map_or(own, |it| it.normal(own, point));
+                (own, own_from_world, primitive.is_solid())
+            }
+            Self::Surface(surface, own_from_world) => {
+                let own = surface.normal(face as usize, own_from_world.transform_point3(position));
+                (own, own_from_world, true)
+            }
+        };
+        let normal = DMat3::transpose(&own_from_world.matrix3) * own;
+        let normal = normal.try_normalize().unwrap_or(-beam.ray.direction);
+        if !is_solid && normal.dot(beam.ray.direction) > 0.0 { -normal } else { normal }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form::{Origin, PrimitiveKind};
+
+    #[test]
+    fn pieces_that_are_hidden_are_forgotten_and_those_that_are_seen_stay() {
+        let projection = Projection {
+            eye: DVec3::ZERO,
+            forward: DVec3::Y,
+            right: DVec3::X,
+            up: DVec3::Z,
+            middle: DVec2::ZERO,
+            pixel: 1.0,
+            parallel: true,
+        };
+        let mut frame = Frame::new(projection);
+        frame.clear(Rect { x: 0, y: 0, width: 3, height: 1 }, &[DVec2::ZERO]);
+        let sphere = Primitive::new(PrimitiveKind::Sphere, &[]).expect("it is a primitive");
+        let mut most = 0;
+        for number in 0..10_000_u32 {
+            let piece = frame.next_piece();
+            let column = if number == 0 { 1 } else { 0 };
+            assert!(frame.grid(0).put(column, 0, 20_000.0 - f64::from(number), piece, 0));
+            let look = Look { material: None, world_from_paint: None, route: u64::from(number), origin: Origin::NONE };
+            frame.say(Piece { look, shape: Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY), None) });
+            most = most.max(frame.pieces.len());
+        }
+        assert!(most <= 2 * LEAST_PIECES, "{most}");
+        let beam = Beam::thin(projection.ray(DVec2::ZERO));
+        let mut seen = Seen::default();
+        (0..3).for_each(|x| frame.see(0, (x, 0), &beam, &mut seen));
+        let routes: Vec<Option<u64>> = seen.rays().map(|it| it.first().map(|it| it.route)).collect();
+        assert_eq!(routes, [Some(9_999), Some(0), None]);
+    }
+}

@@ -1,0 +1,256 @@
+//! Shadow maps: for each sun a picture of depths, as the sun sees what casts shadows.
+//!
+//! A map holds the **middle** of the first stretch that a ray from the sun has inside a solid (A. Woo, "The shadow depth map revisited",
+//! 1992, for surfaces): what faces the sun lies before it by half the solid's thickness, and so does not shadow itself, and what lies
+//! behind lies behind it by as much, so shadows begin where things touch. A point is looked up in three by three texels, each
+//! compared with the plane of its surface there, and the share of those that are lit is its light (percentage-closer filtering, Reeves,
+//! Salesin and Cook 1987). What has no end is not in maps: it is met by rays.
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::frame::Frame;
+use super::hull::Registers;
+use super::model::Model;
+use super::projection::Projection;
+use super::solid::Meeting;
+use super::tour::{Tour, What};
+use super::{Scanner, draw};
+use crate::fault::Fault;
+use crate::geometry::{Aabb, Primitive, Ray};
+use crate::picture::{Rect, Watch};
+use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
+
+/// How many rows of texels one thread draws at once.
+const ROWS: u32 = 32;
+/// How many texels all maps together have at most, and how many one has along a side.
+const MOST_TEXELS: f64 = (1u32 << 25) as f64;
+const MOST_SIDE: f64 = 4096.0;
+/// How many texels lie side by side in a pixel of the picture, where that is near.
+const FINE: f64 = 2.0;
+/// How near what casts shadows is taken to be at least, as a part of how large all of it is.
+const AMONG: f64 = 0.1;
+/// How far a point may lie behind what is in the map without being in its shadow, in texels.
+const BIAS: f64 = 0.5;
+/// By how much a surface may fall away from the sun in a texel, in texels, and still be taken for a plane.
+const STEEPEST: f64 = 8.0;
+
+/// What shading asks about the rest of the scene when a picture is drawn: shadows from maps. Mirrors show the sky.
+#[derive(Debug)]
+pub(crate) struct Shadows {
+    maps: Vec<Map>,
+    endless: Vec<Endless>,
+    /// Where the picture is seen from: no point that is seen is known better than that.
+    eye: DVec3,
+}
+
+/// The depths that a sun sees.
+#[derive(Debug)]
+struct Map {
+    projection: Projection,
+    width: u32,
+    height: u32,
+    /// Row by row.
+    depths: Vec<f32>,
+}
+
+/// A primitive without an end.
+#[derive(Debug)]
+struct Endless {
+    primitive: Primitive,
+    own_from_world: DAffine3,
+}
+
+impl Shadows {
+    /// The shadows of suns in these directions, for a picture that is seen so. If the watch wishes to stop, they are not whole.
+    pub(crate) fn new(scanner: &Scanner, suns: &[DVec3], seen: &Projection, watch: &dyn Watch) -> Self {
+        let model = &scanner.model;
+        let mut endless = Vec::new();
+        Tour::default().endless(model, |met| {
+            if let What::Primitive(primitive) = met.what {
+                endless.push(Endless { primitive: primitive.clone(), own_from_world: met.world_from_own.inverse() });
+            }
+        });
+        let most = MOST_TEXELS / suns.len().max(1) as f64;
+        let maps = suns.iter().filter_map(|it| Map::new(model, *it, seen, most)).collect();
+        let mut shadows = Self { maps, endless, eye: seen.eye };
+        shadows.maps.iter_mut().for_each(|it| it.fill(scanner, watch));
+        shadows
+    }
+
+    fn light_at(&self, beam: &Beam, normal: DVec3) -> f64 {
+        // What starts on a surface without an end meets it at 0, up to rounding: far less than what is seen of it.
+        let least = 1e-9 * beam.ray.origin.abs().max(self.eye.abs()).max_element();
+        if self.endless.iter().any(|it| it.hides(&beam.ray, least)) {
+            return 0.0;
+        }
+        let toward = |map: &&Map| -map.projection.forward.dot(beam.ray.direction);
+        // Of suns with a disc, beams go to any point of it.
+        let nearest = self.maps.iter().max_by(|a, b| toward(a).total_cmp(&toward(b)));
+        nearest.map_or(1.0, |it| it.light(beam.ray.origin, normal))
+    }
+}
+
+impl Tracer for Shadows {
+    fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
+        see_nothing(beams.len(), seen);
+        Ok(())
+    }
+
+    fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
+        see_nothing(beams.len(), seen);
+        Ok(())
+    }
+
+    fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        light.extend(beams.iter().map(|it| self.light_at(&it.beam, it.beam.ray.direction)));
+        Ok(())
+    }
+
+    fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        light.extend(beams.iter().zip(normals).map(|(it, normal)| self.light_at(&it.beam, *normal)));
+        Ok(())
+    }
+
+    fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
+        work.clear();
+        work.resize(beams.len(), 0);
+        Ok(())
+    }
+
+    fn finite_bounds(&self) -> Result<Aabb, Fault> {
+        Ok(Aabb::EMPTY)
+    }
+}
+
+fn see_nothing(rays: usize, seen: &mut Seen) {
+    seen.clear();
+    for _ in 0..rays {
+        seen.end_ray();
+    }
+}
+
+impl Endless {
+    /// Whether it is met by a ray after this t.
+    fn hides(&self, ray: &Ray, least: f64) -> bool {
+        let ray = ray.mapped(&self.own_from_world);
+        self.primitive.chords(&ray, None).iter().any(|it| it.far.t > least)
+    }
+}
+
+impl Map {
+    /// A map of all that ends, as seen from the sun; none if that is nothing. All depths are infinite.
+    fn new(model: &Model, toward: DVec3, seen: &Projection, most: f64) -> Option<Self> {
+        let forward = -toward;
+        let (right, up) = forward.any_orthonormal_pair();
+        let (low, high) = extent(model, &DMat3::from_cols(right, up, forward))?;
+        let size = (high - low).truncate();
+        let wanted = texel(&model.bounds(), seen)?.max(size.max_element() / (MOST_SIDE - 4.0));
+        // A product may be as large as its larger factor allows.
+        let texel = wanted.max((size.x * size.y / most).sqrt());
+        // A border of two texels all around: nothing casts shadows there.
+        let [width, height] = [size.x, size.y].map(|it| (it / texel).ceil() as u32 + 4);
+        let middle = (low + high) * 0.5;
+        let depth = (high.z - low.z) + texel;
+        let projection = Projection {
+            eye: right * middle.x + up * middle.y + forward * (low.z - depth),
+            forward,
+            right,
+            up,
+            middle: DVec2::new(f64::from(width), f64::from(height)) * 0.5,
+            pixel: texel,
+            parallel: true,
+        };
+        let depths = vec![f32::INFINITY; width as usize * height as usize];
+        projection.eye.is_finite().then_some(Self { projection, width, height, depths })
+    }
+
+    /// Draws what the sun sees.
+    fn fill(&mut self, scanner: &Scanner, watch: &dyn Watch) {
+        let Self { projection, width, height, depths } = self;
+        let room = || (Frame::new(*projection), Tour::default(), Registers::default());
+        let bands = depths.par_chunks_mut((ROWS * *width) as usize).enumerate();
+        bands.for_each_init(room, |(frame, tour, registers), (band, depths)| {
+            if watch.interrupted() {
+                return;
+            }
+            let y = band as u32 * ROWS;
+            frame.clear(Rect { x: 0, y, width: *width, height: ROWS.min(*height - y) }, &[DVec2::ZERO]);
+            let planes = frame.planes();
+            tour.go(&scanner.model, projection, &planes, |met| {
+                if !met.what.is_endless() {
+                    draw::draw(frame, registers, &scanner.roughs, &met, Meeting::Middle);
+                }
+            });
+            depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);
+        });
+    }
+
+    /// How much of its sun's light comes to a point of a surface.
+    fn light(&self, point: DVec3, normal: DVec3) -> f64 {
+        let Some(place) = self.projection.place(point) else { return 1.0 };
+        let nearest = place.at.floor();
+        let slope = self.slope(normal);
+        let mut lit = 0;
+        for down in -1..=1 {
+            for across in -1..=1 {
+                let texel = nearest + DVec2::new(f64::from(across), f64::from(down));
+                // Where the plane of the surface is in the middle of the texel.
+                let plane = place.depth + slope.dot(texel + 0.5 - place.at);
+                let is_hidden = self.depth(texel) < plane - BIAS * self.projection.pixel;
+                lit += u32::from(!is_hidden);
+            }
+        }
+        f64::from(lit) / 9.0
+    }
+
+    /// By how much the depth of a plane grows from texel to texel.
+    fn slope(&self, normal: DVec3) -> DVec2 {
+        let Projection { forward, right, up, pixel, .. } = self.projection;
+        let facing = -normal.dot(forward);
+        let slope = DVec2::new(normal.dot(right), -normal.dot(up)) / facing;
+        let steep = slope.length();
+        if facing <= 0.0 || !steep.is_finite() {
+            return DVec2::ZERO;
+        }
+        slope * (pixel * (STEEPEST / steep).min(1.0))
+    }
+
+    /// What is in a texel; infinite outside of the map.
+    fn depth(&self, texel: DVec2) -> f64 {
+        let is_inside =
+            texel.cmpge(DVec2::ZERO).all() && texel.x < f64::from(self.width) && texel.y < f64::from(self.height);
+        if !is_inside {
+            return f64::INFINITY;
+        }
+        let (x, y) = (texel.x as u32, texel.y as u32);
+        f64::from(self.depths[y as usize * self.width as usize + x as usize])
+    }
+}
+
+/// The least and the greatest coordinates of all that ends, along three axes; none if that is nothing.
+fn extent(model: &Model, axes: &DMat3) -> Option<(DVec3, DVec3)> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    Tour::default().all(model, |met| {
+        let DAffine3 { matrix3, translation } = met.world_from_own;
+        let reach = |axis: DVec3| translation.dot(axis) + met.what.support(matrix3.transpose() * axis);
+        let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
+        let least = -DVec3::new(reach(-x), reach(-y), reach(-z));
+        let most = DVec3::new(reach(x), reach(y), reach(z));
+        if least.is_finite() && most.is_finite() {
+            (low, high) = (low.min(least), high.max(most));
+        }
+    });
+    low.cmple(high).all().then_some((low, high))
+}
+
+/// How wide a pixel is, as a part of [`FINE`], where what casts shadows is near; none if that is no length.
+fn texel(bounds: &Aabb, seen: &Projection) -> Option<f64> {
+    let away = (seen.eye.clamp(bounds.min, bounds.max) - seen.eye).length();
+    // Where the eye is among it, some of it is nearer, and most is not.
+    let distance = away.max(AMONG * (bounds.max - bounds.min).length());
+    let texel = if seen.parallel { seen.pixel } else { seen.pixel * distance } / FINE;
+    (texel > 0.0 && texel.is_finite()).then_some(texel)
+}

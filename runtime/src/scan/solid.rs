@@ -1,0 +1,166 @@
+//! Drawing primitives exactly: the rays through the samples of their outline meet them as those of the ray tracer do.
+//!
+//! So outline, depth and normals are those of the traced picture, and what is round is round. Convex primitives are met by eight rays at
+//! once, side by side in a row; what a ray meets does not depend on those beside it.
+
+use glam::{DAffine3, DVec2};
+use pulp::f64x8;
+
+use super::frame::{Frame, Grid};
+use super::outline::Outline;
+use super::projection::Fan;
+use crate::geometry::{Chord, Convex, Crossing, FACE, Lines, Pieces, Pierced, Primitive, Ray};
+use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
+
+/// Where a ray meets a solid, for who draws it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Meeting {
+    /// Where it comes in, or from inside where it goes out.
+    First,
+    /// In the middle of the first stretch inside.
+    Middle,
+}
+
+/// Draws a primitive where it is met so, as the piece of the next number; says whether any of it is seen.
+pub(crate) fn draw(frame: &mut Frame, primitive: &Primitive, world_from_own: &DAffine3, meeting: Meeting) -> bool {
+    let outline = Outline::new(&primitive.bounds(), world_from_own, frame.projection());
+    let own_from_world = world_from_own.inverse();
+    let alone = Alone { primitive, fan: frame.projection().fan(&own_from_world), meeting };
+    if let Some((convex, stretch)) = primitive.convex() {
+        let fan = frame.projection().fan(&(DAffine3::from_scale(stretch) * own_from_world));
+        if fan.is_in_range() {
+            return dispatch(Together { frame, outline: &outline, convex, fan, alone });
+        }
+    }
+    let piece = frame.next_piece();
+    let mut is_seen = false;
+    outline.each_run(frame, |grid, row, columns| {
+        columns.for_each(|column| is_seen |= alone.draw(grid, column, row, piece));
+    });
+    is_seen
+}
+
+/// A primitive that rays meet one by one.
+#[derive(Clone, Copy)]
+struct Alone<'p> {
+    primitive: &'p Primitive,
+    fan: Fan,
+    meeting: Meeting,
+}
+
+impl Alone<'_> {
+    fn draw(&self, grid: &mut Grid<'_>, column: usize, row: usize, piece: u32) -> bool {
+        let met = self.meeting.with(self.primitive, &self.fan.ray(grid.at(column, row)));
+        met.is_some_and(|it| grid.put(column, row, it.t, piece, u32::from(it.face)))
+    }
+}
+
+/// A convex primitive that rays meet eight at once.
+struct Together<'d> {
+    frame: &'d mut Frame,
+    outline: &'d Outline,
+    convex: Convex,
+    /// In the frame of the convex primitive.
+    fan: Fan,
+    /// For rays that lie so that they are to be asked about one by one.
+    alone: Alone<'d>,
+}
+
+impl Task for Together<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> bool {
+        let Self { frame, outline, convex, fan, alone } = self;
+        let piece = frame.next_piece();
+        let mut is_seen = false;
+        outline.each_run(
+            frame,
+            #[inline(always)]
+            |grid, row, columns| {
+                for first in columns.clone().step_by(EIGHT) {
+                    let count = EIGHT.min(columns.end - first);
+                    let lines = lines(kernel, &fan, grid, first, row);
+                    let pieces = convex.pieces(kernel.lanes(), &lines);
+                    let (met, t, faces) = alone.meeting.among(kernel, &pieces);
+                    let wanted = (1_u32 << count) - 1;
+                    let mut left = met & wanted;
+                    while left != 0 {
+                        let lane = left.trailing_zeros() as usize;
+                        left &= left - 1;
+                        is_seen |= grid.put(first + lane, row, t[lane], piece, faces[lane]);
+                    }
+                    let mut odd = kernel.bits(pieces.odd.value) & wanted;
+                    while odd != 0 {
+                        let lane = odd.trailing_zeros() as usize;
+                        odd &= odd - 1;
+                        is_seen |= alone.draw(grid, first + lane, row, piece);
+                    }
+                }
+            },
+        );
+        is_seen
+    }
+}
+
+/// The rays through eight samples of a row: for each the same operations as in [`Fan::ray`].
+#[inline(always)]
+fn lines<K: Kernel>(kernel: K, fan: &Fan, grid: &Grid<'_>, first: usize, row: usize) -> Lines<K::Lanes> {
+    let lanes = kernel.lanes();
+    let mut places = [0.0; EIGHT];
+    for (lane, place) in places.iter_mut().enumerate() {
+        *place = grid.at(first + lane, row).x;
+    }
+    let places: f64x8 = pulp::cast(places);
+    let [across, down] = fan.steps().map(|it| Wide3::splat(lanes, it));
+    let (x, y) = (Wide::new(lanes, places), Wide::splat(lanes, grid.at(first, row).y));
+    let moved = Wide3 { x: across.x * x + down.x * y, y: across.y * x + down.y * y, z: across.z * x + down.z * y };
+    let Ray { origin, direction } = fan.ray(DVec2::ZERO);
+    let (origin, direction) = (Wide3::splat(lanes, origin), Wide3::splat(lanes, direction));
+    if fan.is_parallel() {
+        Lines { origin: origin + moved, direction }
+    } else {
+        Lines { origin, direction: direction + moved }
+    }
+}
+
+impl Meeting {
+    /// Where a ray meets a primitive.
+    fn with(self, primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
+        if !primitive.is_solid() {
+            return primitive.crossing(ray, None);
+        }
+        let chords = primitive.chords(ray, None);
+        match self {
+            Self::First => {
+                let ends = chords.iter().flat_map(|it| [it.near, it.far]);
+                ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
+            }
+            Self::Middle => self.of_chord(chords.first()?),
+        }
+    }
+
+    /// Where a ray meets the solid that it has this piece inside.
+    pub(super) fn of_chord(self, chord: &Chord) -> Option<Crossing> {
+        match self {
+            Self::First => [chord.near, chord.far].into_iter().find(|it| it.t > 0.0 && it.t.is_finite()),
+            Self::Middle => Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face }),
+        }
+    }
+
+    /// Where eight rays meet a convex primitive: which do, at which t, and on which faces.
+    #[inline(always)]
+    fn among<K: Kernel>(self, kernel: K, pieces: &Pieces<K::Lanes>) -> (u32, [f64; EIGHT], [u32; EIGHT]) {
+        let lanes = kernel.lanes();
+        let (near, far) = (pieces.near.t, pieces.far.t);
+        let (zero, infinity) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, f64::INFINITY));
+        let comes_in = near.gt(zero);
+        let (t, faces) = match self {
+            Self::First => (comes_in.select(near, far), comes_in.select_bits(pieces.near.face, pieces.far.face)),
+            Self::Middle => ((near + far) * Wide::splat(lanes, 0.5), pieces.near.face),
+        };
+        let met = kernel.bits((pieces.met & t.gt(zero) & t.lt(infinity)).value);
+        let faces: [u64; EIGHT] = pulp::cast(faces);
+        (met, pulp::cast(t.value), faces.map(|it| (it / FACE) as u32))
+    }
+}

@@ -1,0 +1,238 @@
+//! Solid textures that are computed beforehand: a cube of coloured cells that tiles space, with ever coarser ones in front of which
+//! it is seen from farther away (FG86, sections 3 and 4).
+//!
+//! **Law.** Each cell of a level is the mean of the eight below it, so every level has the mean of the whole, and what is looked up
+//! with a wider footprint comes nearer to it. A cube of side n takes n³ bytes, and 16/7 n³ for the coarser levels: 53 MiB for the
+//! largest, of side 256.
+
+use std::sync::{Arc, OnceLock};
+
+use glam::{DVec3, DVec4};
+
+use super::{Footprint, Tone};
+use crate::eval::uniform;
+use crate::form::Chunks;
+use crate::picture::color::linear;
+
+/// A colour in linear light, as much of it as there is, and how much there is: what is left is seen of what lies below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tint {
+    /// The colour, times the cover.
+    pub color: DVec3,
+    /// From 0 to 1.
+    pub cover: f64,
+}
+
+/// A cube that is made when it is first asked for, once for all threads.
+#[derive(Clone, Debug)]
+pub(super) struct LazyCube {
+    chunks: Chunks,
+    seed: u64,
+    cube: Arc<OnceLock<Cube>>,
+}
+
+/// A cube of cells with its pyramid.
+#[derive(Debug)]
+struct Cube {
+    /// How many cells are on a side: a power of two.
+    side: usize,
+    /// Cells a metre.
+    scale: f64,
+    /// What the numbers of cells stand for. The first is for cells without a chunk.
+    palette: Vec<DVec4>,
+    /// The finest cells, x first.
+    finest: Vec<u8>,
+    /// Coarser cells, level by level, each of half as many a side as the one before.
+    levels: Vec<Vec<[f32; 4]>>,
+}
+
+/// Brightness of linear light, as eyes have it.
+const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
+impl LazyCube {
+    pub(super) fn new(chunks: &Chunks, seed: u64) -> Self {
+        Self { chunks: chunks.clone(), seed, cube: Arc::default() }
+    }
+
+    /// How long a cell is.
+    pub(super) fn finest(&self) -> f64 {
+        self.chunks.size / f64::from(self.chunks.cube)
+    }
+
+    fn cube(&self) -> &Cube {
+        self.cube.get_or_init(|| Cube::new(&self.chunks, self.seed))
+    }
+
+    /// The colour at a point.
+    pub(super) fn tint(&self, point: DVec3, footprint: &Footprint) -> Tint {
+        of_texel(self.cube().at(point, footprint))
+    }
+
+    /// The mean colour.
+    pub(super) fn mean_tint(&self) -> Tint {
+        let cube = self.cube();
+        of_texel(cube.texel(cube.levels.len(), [0; 3]))
+    }
+
+    /// The brightness at a point, and how it grows.
+    pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
+        let cube = self.cube();
+        let bright = |point: DVec3| brightness(cube.at(point, footprint));
+        // Over a cell as large as what is seen.
+        let step = 0.5 * libm::exp2(cube.level(footprint)) / cube.scale;
+        let slope = [DVec3::X, DVec3::Y, DVec3::Z]
+            .map(|axis| (bright(point + axis * step) - bright(point - axis * step)) / (2.0 * step));
+        Tone { value: bright(point), slope: DVec3::from_array(slope) }
+    }
+
+    /// The mean brightness.
+    pub(super) fn mean(&self) -> f64 {
+        let cube = self.cube();
+        brightness(cube.texel(cube.levels.len(), [0; 3]))
+    }
+}
+
+fn of_texel(texel: DVec4) -> Tint {
+    Tint { color: texel.truncate(), cover: texel.w }
+}
+
+fn brightness(texel: DVec4) -> f64 {
+    texel.truncate().dot(BRIGHTNESS)
+}
+
+impl Cube {
+    fn new(chunks: &Chunks, seed: u64) -> Self {
+        let side = chunks.cube as usize;
+        let color = |it: &[f64; 3]| linear(DVec3::from_array(*it)).extend(1.0);
+        let palette: Vec<DVec4> = std::iter::once(DVec4::ZERO).chain(chunks.colors.iter().map(color)).collect();
+        let finest = finest(chunks, seed);
+        let mut cube = Self { side, scale: side as f64 / chunks.size, palette, finest, levels: Vec::new() };
+        let mut half = side / 2;
+        while half > 0 {
+            let level = cube.coarser(half);
+            cube.levels.push(level);
+            half /= 2;
+        }
+        cube
+    }
+
+    /// The level after the last one, of so many cells a side.
+    fn coarser(&self, side: usize) -> Vec<[f32; 4]> {
+        let below = self.levels.len();
+        let mut level = Vec::with_capacity(side * side * side);
+        for z in 0..side {
+            for y in 0..side {
+                for x in 0..side {
+                    let mut sum = DVec4::ZERO;
+                    for corner in 0..8 {
+                        let at = |low: usize, bit: usize| 2 * low + (corner >> bit & 1);
+                        sum += self.texel(below, [at(x, 0), at(y, 1), at(z, 2)]);
+                    }
+                    level.push((sum * 0.125).as_vec4().to_array());
+                }
+            }
+        }
+        level
+    }
+
+    /// A cell of a level, the finest being 0.
+    #[inline]
+    fn texel(&self, level: usize, [x, y, z]: [usize; 3]) -> DVec4 {
+        let side = self.side >> level;
+        let index = (z * side + y) * side + x;
+        match level.checked_sub(1) {
+            None => self.palette[usize::from(self.finest[index])],
+            Some(coarse) => DVec4::from_array(self.levels[coarse][index].map(f64::from)),
+        }
+    }
+
+    /// The level whose cells are as wide as a footprint: they are seen through a tent, which has half their width as its deviation.
+    fn level(&self, footprint: &Footprint) -> f64 {
+        let width = 2.0 * footprint.deviation() * self.scale;
+        let most = self.levels.len() as f64;
+        if width.is_nan() { most } else { libm::log2(width.max(1.0)).min(most) }
+    }
+
+    /// What is seen at a point: between the cells of two levels.
+    fn at(&self, point: DVec3, footprint: &Footprint) -> DVec4 {
+        let level = self.level(footprint);
+        let (fine, rest) = (level as usize, level.fract());
+        let fine_texel = self.between_cells(fine, point);
+        if rest == 0.0 {
+            return fine_texel;
+        }
+        fine_texel + (self.between_cells(fine + 1, point) - fine_texel) * rest
+    }
+
+    /// What lies between the middles of eight cells.
+    fn between_cells(&self, level: usize, point: DVec3) -> DVec4 {
+        let side = self.side >> level;
+        let cells = point * (self.scale / (1_u64 << level) as f64) - 0.5;
+        let low = cells.floor();
+        let part = cells - low;
+        let wrapped = |it: f64| {
+            let within = it.rem_euclid(side as f64);
+            // What is no number, or beyond all digits, has no place.
+            if within.is_finite() { (within as usize).min(side - 1) } else { 0 }
+        };
+        let [x, y, z] = low.to_array().map(wrapped);
+        let next = |it: usize| if it + 1 == side { 0 } else { it + 1 };
+        let along_x = |y: usize, z: usize| {
+            let (a, b) = (self.texel(level, [x, y, z]), self.texel(level, [next(x), y, z]));
+            a + (b - a) * part.x
+        };
+        let along_y = |z: usize| {
+            let (a, b) = (along_x(y, z), along_x(next(y), z));
+            a + (b - a) * part.y
+        };
+        let (a, b) = (along_y(z), along_y(next(z)));
+        a + (b - a) * part.z
+    }
+}
+
+/// The finest cells: blocks of random places and sizes, laid one over the other.
+///
+/// They are laid from the last one back, each only where nothing lies yet, until there is no room: so it takes no longer however
+/// many there are.
+fn finest(chunks: &Chunks, seed: u64) -> Vec<u8> {
+    let side = chunks.cube as usize;
+    let mut cells = vec![0_u8; side * side * side];
+    let mut left = cells.len();
+    for number in (0..u64::from(chunks.count)).rev() {
+        if left == 0 {
+            break;
+        }
+        let draw = |which: u64| uniform(seed, (number, which));
+        let whole = |which: u64, count: u32| (draw(which) * f64::from(count)) as usize;
+        let [least, most] = chunks.chunk;
+        let size = |which: u64| (least as usize + whole(which, most - least + 1)).min(side);
+        let place: [usize; 3] = [0, 1, 2].map(|it| whole(it, chunks.cube));
+        let sizes: [usize; 3] = [3, 4, 5].map(size);
+        let color = chosen(&chunks.share, draw(6)) as u8 + 1;
+        let along = |axis: usize| (0..sizes[axis]).map(move |it| (place[axis] + it) % side);
+        for z in along(2) {
+            for y in along(1) {
+                for x in along(0) {
+                    let cell = &mut cells[(z * side + y) * side + x];
+                    if *cell == 0 {
+                        *cell = color;
+                        left -= 1;
+                    }
+                }
+            }
+        }
+    }
+    cells
+}
+
+/// The number of the part in which a uniform number falls, if these are the parts of the whole.
+fn chosen(shares: &[f64], uniform: f64) -> usize {
+    let mut rest = uniform * shares.iter().sum::<f64>();
+    for (number, share) in shares.iter().enumerate() {
+        rest -= share;
+        if rest < 0.0 {
+            return number;
+        }
+    }
+    shares.iter().rposition(|it| *it > 0.0).unwrap_or(0)
+}

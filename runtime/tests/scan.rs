@@ -1,0 +1,251 @@
+//! Scan conversion agrees with the ray tracer: the same things are seen at every pixel, as far away, turned alike, in the same colours.
+
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::{Builder, Dice, is_steady, numbers, slot_and};
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+use treegen_runtime::form::{
+    Background, BinaryOp, Camera, Lens, Material, NodeId, PrimitiveKind, Scene, Sky, Slot, Sun, TransformKind,
+};
+use treegen_runtime::geometry::Ray;
+use treegen_runtime::mesh::StemSurface;
+use treegen_runtime::picture::{self, Picture, RenderOptions};
+use treegen_runtime::scan::Scanner;
+use treegen_runtime::trace::cells::{CellTracer, Culling};
+use treegen_runtime::trace::reference::Reference;
+use treegen_runtime::{FaultKind, Limit, Limits};
+
+const SIDE: u32 = 48;
+
+fn drawn(scene: &Scene, options: &RenderOptions) -> Picture {
+    let limits = Limits::default();
+    let scanner = Scanner::new(scene, StemSurface::Cones, &limits, &()).expect("these scenes have no faults");
+    picture::scan(scene, &scanner, &limits, options, &()).expect("these scenes have no faults")
+}
+
+fn traced(scene: &Scene, options: &RenderOptions) -> Picture {
+    let limits = Limits::default();
+    let tracer = CellTracer::new(scene, &limits, Culling::State).expect("these scenes have no faults");
+    picture::render(scene, &tracer, options, &()).expect("these scenes have no faults")
+}
+
+/// One ray a pixel, and all that is known of it.
+fn plain() -> RenderOptions {
+    RenderOptions { size: Some((SIDE, SIDE)), samples: Some(1), layers: true, detail: 0.0, ..RenderOptions::default() }
+}
+
+fn camera(dice: &mut Dice, lens: Lens) -> Camera {
+    let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(0.0, 1.0)).normalize();
+    Camera { eye: way * 5.0, target: DVec3::ZERO, up: DVec3::Z, lens }
+}
+
+/// A ground and some primitives of every kind, in modules that are laid down several times; no Booleans, and nothing inside of which the
+/// camera is.
+fn scattered(seed: u64, lens: Lens) -> Scene {
+    let mut dice = Dice(seed);
+    let mut b = Builder::default();
+    let modules: Vec<u32> = (0..2)
+        .map(|module| {
+            let parts: Vec<NodeId> = (0..3).map(|_| solid(&mut dice, &mut b, module)).collect();
+            let (stop, go) = (b.union(&parts[..2]), b.union(&parts));
+            b.module(stop, go)
+        })
+        .collect();
+    let last = modules[1];
+    let mut parts: Vec<NodeId> = (0..3).map(|_| solid(&mut dice, &mut b, 2)).collect();
+    let call = b.call(last, numbers(&[2.0]));
+    parts.push(b.paint(1, call));
+    parts.push(b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -1.2]));
+    let start = b.union(&parts);
+    let mut scene = b.scene(start);
+    let material = |number: f64| Material { color: [0.2 * number, 0.5, 0.3], range: [0.3; 3], ..Material::default() };
+    scene.materials = vec![material(1.0), material(2.0)];
+    scene.sky = Some(Sky::default());
+    scene.image.background = Background::Transparent;
+    scene.camera = Some(camera(&mut dice, lens));
+    scene
+}
+
+fn solid(dice: &mut Dice, b: &mut Builder, calls: u32) -> NodeId {
+    if calls > 0 && dice.below(2) == 0 {
+        let call = b.call(calls - 1, slot_and(Slot(0), BinaryOp::Subtract, 1.0));
+        return placed(dice, b, call);
+    }
+    let kinds = [
+        (PrimitiveKind::Sphere, vec![]),
+        (PrimitiveKind::Cylinder, vec![]),
+        (PrimitiveKind::Box, vec![]),
+        (PrimitiveKind::Tetrahedron, vec![]),
+        (PrimitiveKind::Triangle, vec![]),
+        (PrimitiveKind::Cone, vec![dice.between(0.2, 1.0), dice.between(0.0, 1.0)]),
+        (PrimitiveKind::Torus, vec![dice.between(0.1, 0.6)]),
+        (PrimitiveKind::Ellipsoid, vec![dice.between(0.3, 1.0), 1.0, dice.between(0.3, 1.0)]),
+        (PrimitiveKind::Segment, vec![0.4, -0.2, 0.3, 1.3, -0.2, 0.3]),
+    ];
+    let (kind, parameters) = &kinds[dice.below(kinds.len())];
+    let leaf = b.primitive(*kind, parameters);
+    let leaf = if dice.below(3) == 0 { b.paint(0, leaf) } else { leaf };
+    placed(dice, b, leaf)
+}
+
+fn placed(dice: &mut Dice, b: &mut Builder, body: NodeId) -> NodeId {
+    let factors = [dice.between(0.2, 0.6), dice.between(0.2, 0.6), dice.between(0.2, 0.6)];
+    let scaled = b.transform(TransformKind::Scale, &factors, body);
+    let turned = b.transform(TransformKind::Rotate, &[1.0, 0.3, -0.5, dice.between(-180.0, 180.0)], scaled);
+    let turned = if dice.below(4) == 0 { b.transform(TransformKind::Mirror, &[0.2, 1.0, 0.4], turned) } else { turned };
+    let offset = [dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-0.5, 1.0)];
+    b.transform(TransformKind::Move, &offset, turned)
+}
+
+/// The ray through the centre of a pixel, as the manual tells it.
+fn ray(scene: &Scene, pixel: usize) -> Ray {
+    let Camera { eye, target, up, lens } = scene.camera.clone().unwrap();
+    let forward = (target - eye).normalize();
+    let right = forward.cross(up).normalize();
+    let up = right.cross(forward);
+    let at = DVec2::new((pixel % SIDE as usize) as f64, (pixel / SIDE as usize) as f64) + 0.5;
+    let at = (at / f64::from(SIDE) - 0.5) * DVec2::new(1.0, -1.0);
+    match lens {
+        Lens::Perspective(fov) => {
+            let span = 2.0 * libm::tan(fov.to_radians() / 2.0);
+            Ray { origin: eye, direction: (forward + (right * at.x + up * at.y) * span).normalize() }
+        }
+        Lens::Orthographic(span) => Ray { origin: eye + (right * at.x + up * at.y) * span, direction: forward },
+    }
+}
+
+/// Compares two pictures pixel by pixel. They may differ only where the ray tracer itself sees something else a few millionths aside.
+fn compare(scene: &Scene) -> Result<(), String> {
+    let (a, b) = (traced(scene, &plain()), drawn(scene, &plain()));
+    let (seen, found) = (a.layers.as_ref().unwrap(), b.layers.as_ref().unwrap());
+    let limits = Limits::default();
+    let reference = Reference::new(scene, &limits);
+    let mut met = 0;
+    for pixel in 0..a.color.len() {
+        let is_same = if seen.depth[pixel].is_infinite() || found.depth[pixel].is_infinite() {
+            seen.depth[pixel] == found.depth[pixel]
+        } else {
+            met += 1;
+            let normals = [seen.normal[pixel], found.normal[pixel]].map(|it| DVec3::from_array(it.map(f64::from)));
+            let colors = a.color[pixel].iter().zip(&b.color[pixel]);
+            seen.material[pixel] == found.material[pixel]
+                && (seen.depth[pixel] - found.depth[pixel]).abs() <= 1e-6 * seen.depth[pixel]
+                && normals[0].distance(normals[1]) < 1e-5
+                && colors.into_iter().all(|(a, b)| (a - b).abs() < 1e-5)
+        };
+        let ray = ray(scene, pixel);
+        if !is_same && is_steady(&reference, &ray) {
+            let (seen, found) = (seen.depth[pixel], found.depth[pixel]);
+            return Err(format!("pixel {pixel}: {seen} is seen, {found} is drawn, along {ray:?}"));
+        }
+    }
+    assert!(met > 200, "the camera sees next to nothing");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_drawn_is_what_rays_see(seed in any::<u64>()) {
+        compare(&scattered(seed, Lens::Perspective(40.0))).map_err(TestCaseError::fail)?;
+        compare(&scattered(seed, Lens::Orthographic(4.0))).map_err(TestCaseError::fail)?;
+    }
+}
+
+/// Boxes and balls on and above a ground, in a sun, seen from above or from aside.
+fn shadowed(seed: u64, lens: Lens) -> Scene {
+    let mut dice = Dice(seed);
+    let mut b = Builder::default();
+    let mut parts: Vec<NodeId> = (0..6)
+        .map(|number| {
+            let kind = if number % 3 == 0 { PrimitiveKind::Sphere } else { PrimitiveKind::Box };
+            let leaf = b.primitive(kind, &[]);
+            placed(&mut dice, &mut b, leaf)
+        })
+        .collect();
+    parts.push(b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]));
+    let start = b.union(&parts);
+    let mut scene = b.scene(start);
+    let direction = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), -1.0);
+    scene.suns = vec![Sun { direction, color: [1.0; 3], strength: 1.0, size: 0.0 }];
+    scene.camera = Some(camera(&mut dice, lens));
+    scene
+}
+
+/// Whether all pixels around one are the same in a picture, but for the slow change of shading over a surface.
+fn is_even(picture: &Picture, pixel: usize, around: usize) -> bool {
+    let (x, y, side) = (pixel % SIDE as usize, pixel / SIDE as usize, SIDE as usize);
+    let columns = x.saturating_sub(around)..(x + around + 1).min(side);
+    let rows = y.saturating_sub(around)..(y + around + 1).min(side);
+    let mut near = rows.flat_map(|row| columns.clone().map(move |column| row * side + column));
+    near.all(|it| picture.color[it].iter().zip(&picture.color[pixel]).all(|(a, b)| (a - b).abs() < 0.06))
+}
+
+/// A map has two texels in a pixel, and three by three of them are looked at: the edge of a shadow is that wide, and on a slant wider.
+#[test]
+fn shadows_are_those_of_rays_but_for_a_band_along_their_edges() {
+    let (mut compared, mut dark, mut different) = (0, 0, 0);
+    for seed in 0..24 {
+        for lens in [Lens::Perspective(40.0), Lens::Orthographic(4.0)] {
+            let scene = shadowed(seed, lens);
+            let (seen, found) = (traced(&scene, &plain()), drawn(&scene, &plain()));
+            let unlit = drawn(&Scene { suns: Vec::new(), sky: Some(Sky::default()), ..scene.clone() }, &plain());
+            for pixel in (0..seen.color.len()).filter(|it| is_even(&seen, *it, 3)) {
+                let differs = seen.color[pixel].iter().zip(&found.color[pixel]).any(|(a, b)| (a - b).abs() > 0.02);
+                compared += 1;
+                different += u32::from(differs);
+                dark += u32::from(seen.color[pixel] == unlit.color[pixel]);
+            }
+        }
+    }
+    // A few are where the sun grazes a face, or beside an edge that is outside of the picture.
+    assert!(different * 2000 < compared, "{different} of {compared} pixels differ");
+    assert!(compared > 40_000 && dark > 2_000, "{compared} pixels are away from edges, {dark} of them in shadows");
+}
+
+#[test]
+fn tiles_crops_and_threads_change_no_byte() {
+    let scene = scattered(7, Lens::Perspective(40.0));
+    let options = RenderOptions { samples: Some(4), ..plain() };
+    let whole = drawn(&scene, &options);
+    for tile in [1, 5, 16, 64] {
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let again = pool.install(|| drawn(&scene, &RenderOptions { tile, ..options.clone() }));
+            assert!(again == whole, "tiles of {tile} on {threads} threads");
+        }
+    }
+    let crop = picture::Rect { x: 11, y: 7, width: 23, height: 19 };
+    let part = drawn(&scene, &RenderOptions { crop: Some(crop), ..options });
+    for (number, color) in part.color.iter().enumerate() {
+        let (x, y) = (number as u32 % crop.width + crop.x, number as u32 / crop.width + crop.y);
+        assert_eq!(*color, whole.color[(y * SIDE + x) as usize]);
+    }
+}
+
+#[test]
+fn more_primitives_than_the_limit_are_an_error_before_anything_is_drawn() {
+    let limits = Limits { triangles: 4095, ..Limits::default() };
+    let fault = Scanner::new(&common::sierpinski(6.0), StemSurface::Cones, &limits, &()).unwrap_err();
+    assert_eq!(fault.kind, FaultKind::Limit { limit: Limit::Triangles, most: 4095 });
+    assert_eq!(fault.trail.first().map(|it| it.name.as_str()), Some("scene"));
+    let scanner =
+        Scanner::new(&common::sierpinski(6.0), StemSurface::Cones, &Limits { triangles: 4096, ..limits }, &()).unwrap();
+    assert_eq!(scanner.primitives(), 4096);
+    // 4^40 would take for ever to count one by one.
+    assert!(Scanner::new(&common::sierpinski(40.0), StemSurface::Cones, &limits, &()).is_err());
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told_of() {
+    let mut b = Builder::default();
+    let (ball, cube) = (b.primitive(PrimitiveKind::Sphere, &[]), b.primitive(PrimitiveKind::Box, &[]));
+    let both = b.add(treegen_runtime::form::Node::Intersect([ball, cube].into()));
+    let start = b.union(&[both, ball]);
+    let scanner = Scanner::new(&b.scene(start), StemSurface::Cones, &Limits::default(), &()).unwrap();
+    assert_eq!((scanner.left_out().len(), scanner.primitives()), (1, 1));
+}

@@ -395,7 +395,7 @@ fn calcs_that_double_are_stopped() {
 #[test]
 fn materials_bring_the_textures_they_name() {
     let scene = scene(
-        "texture Spare { kind: chunks }
+        "texture Spare { kind: chunks, colors: [(1, 0, 0)] }
          texture Bark { kind: fbm, octaves: 3, dimension: 2.5, seed: 4, space: world }
          texture Foliage { kind: fourier, terms: 7, ratio: 1.5, stretch: (1, 2, 3), offset: (0, 0, 9) }
          texture Plain { kind: fbm }

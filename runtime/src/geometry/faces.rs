@@ -30,6 +30,8 @@ pub(super) struct Faces {
 const ALONG: f64 = 1e-9;
 /// Half of the first square's side, in distances of the furthest plane.
 const FAR: f64 = 4e9;
+/// How many planes cut a face before all others.
+const NEIGHBOURS: usize = 24;
 /// How much closed tests are widened, in sizes of the square.
 const ROUNDING: f64 = 1e-14;
 
@@ -117,15 +119,29 @@ fn face(planes: &[Plane], number: usize, region: Region, tolerance: f64) -> Vec<
     let aside = plane.normal.cross(across);
     let mut polygon =
         Polygon::new(vec![foot - across - aside, foot + across - aside, foot + across + aside, foot - across + aside]);
-    for (other, cut) in planes.iter().enumerate() {
-        if other != number {
-            polygon.cut(cut.normal, cut.offset, tolerance);
-        }
+    let others = planes.iter().enumerate().filter(|it| it.0 != number).map(|it| it.1);
+    // Those that face nearly the same way leave little of it, and then most others are passed over at once.
+    for cut in neighbours(planes, number).into_iter().filter_map(|it| planes.get(it)).chain(others) {
+        polygon.cut(cut.normal, cut.offset, tolerance);
         if polygon.corners.is_empty() {
             break;
         }
     }
     polygon.corners
+}
+
+/// The numbers of some planes that face most nearly the way that one does, in order; none if there are few planes.
+fn neighbours(planes: &[Plane], number: usize) -> Vec<usize> {
+    let facing = |it: &usize| planes[*it].normal.dot(planes[number].normal);
+    let mut others: Vec<usize> = (0..planes.len()).filter(|it| *it != number).collect();
+    if others.len() <= NEIGHBOURS {
+        return Vec::new();
+    }
+    let order = |a: &usize, b: &usize| facing(b).total_cmp(&facing(a)).then(a.cmp(b));
+    others.select_nth_unstable_by(NEIGHBOURS, order);
+    others.truncate(NEIGHBOURS);
+    others.sort_unstable_by(order);
+    others
 }
 
 /// A convex polygon, with a ball around it.

@@ -21,6 +21,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("E0905", "its example would be millions of rules"),
     ("E0906", "its example would be a name of 257 letters"),
     ("E0907", "its example would be a text of 64 KiB"),
+    ("E0909", "its example would be a picture of 16 million pixels"),
     ("E0916", "its example would be megabytes long"),
     ("E0920", "both the program and the command line are asked before"),
     ("E0917", "its example would take minutes"),

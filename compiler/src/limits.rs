@@ -1,12 +1,13 @@
 //! All limits with their names: what can grow, how far, how it can be changed, and what is said when it is met.
 
 use treegen_grammar::{MAX_ERRORS, MAX_NAME_BYTES, MAX_NESTING, MAX_SOURCE_BYTES, MAX_TEXT_BYTES};
-use treegen_runtime::picture::{MAX_PIXELS, MAX_SAMPLES};
+use treegen_runtime::picture::{MAX_CELLS, MAX_PIXELS, MAX_SAMPLES};
 use treegen_runtime::{Limit, Limits};
 
 use crate::check::MAX_LISTS;
 use crate::load::{MAX_BYTES, MAX_FILES};
 use crate::lower::MAX_NODES;
+use crate::pictures;
 use crate::resolve::MAX_SLOTS;
 use crate::show::MOST_SHOWN;
 use crate::words::fault::limit_code;
@@ -57,6 +58,8 @@ pub fn limits() -> Vec<LimitRow> {
     };
     rows.push(picture("pixels", "pixels of a picture", MAX_PIXELS, "--size, up to this", Limit::Pixels));
     rows.push(picture("samples", "rays of a pixel", u64::from(MAX_SAMPLES), "--samples, up to this", Limit::Samples));
+    let cells = "cells of all textures of blocks";
+    rows.push(fixed("texture-cells", cells, MAX_CELLS, Some(limit_code(Limit::Cells))));
     rows.push(fixed("messages", "messages that are shown; then how many are left", MOST_SHOWN as u64, None));
     rows
 }
@@ -76,6 +79,8 @@ const OF_TEXT: &[(&str, &str, u64, &str)] = &[
     ("text-bytes", "bytes of a quoted text", MAX_TEXT_BYTES as u64, "E0907"),
     ("list-nesting", "lists in one another", MAX_LISTS as u64, "E0908"),
     ("values", "names of values in one system", MAX_SLOTS as u64, "E0902"),
+    ("picture-bytes", "bytes of a picture's file", pictures::MAX_BYTES, "E0901"),
+    ("picture-pixels", "pixels of all pictures of a program", pictures::MAX_PIXELS, "E0909"),
     ("nodes", "nodes of the graph that a program is lowered to", MAX_NODES as u64, "E0905"),
 ];
 
@@ -118,6 +123,7 @@ const RAISED: &[Raised] = raised![
     "modules", "modules of one derivation that wait to be replaced", modules: u32, Some(Limit::Modules), MANY;
     "segments", "segments of one derivation", segments: u32, Some(Limit::Segments), MANY;
     "strides", "steps of one derivation's walks, and operations of their expressions", strides: u64, Some(Limit::Strides), Change::Allow(1 << 48);
+    "planes", "planes of one hull, with the modules that stand for planes", planes: u32, Some(Limit::Planes), Change::Allow(16_384);
     "steps", "boxes and primitives that one ray may meet", steps: u64, Some(Limit::Steps), Change::Allow(1 << 48);
     "intervals", "pieces of one ray inside solids", intervals: u32, Some(Limit::Intervals), MANY;
     "primitives", "primitives that treegen inspect --expand writes", primitives: u64, Some(Limit::Primitives), Change::Option("--limit N");
@@ -181,6 +187,7 @@ mod tests {
             rules,
             modules,
             segments,
+            planes,
             strides,
             steps,
             intervals,
@@ -189,7 +196,7 @@ mod tests {
             mesh_nodes,
             cell_bytes,
         } = limits;
-        let small = [depth, calls, repeat, list, items, rules, modules, segments, intervals].map(u64::from);
+        let small = [depth, calls, repeat, list, items, rules, modules, segments, planes, intervals].map(u64::from);
         let large = [operations, strides, steps, primitives, triangles, mesh_nodes, cell_bytes];
         let mut changed: Vec<u64> = small.iter().chain(&large).map(|it| it - 7).collect();
         let mut defaults: Vec<u64> = RAISED.iter().map(|it| (it.of)(&Limits::default())).collect();

@@ -324,6 +324,12 @@ fn what_is_large_costs_what_is_seen_of_it() {
                 | move(-1.5,0,0) rotx(random(0,90)) uscale(.5) T; }",
             "fine",
         ),
+        // A counter that never meets its end: no state comes twice.
+        (
+            "csg S { start T(5.2); T(c) if c == 0 -> box; T(c) -> move(.5,.5,0) uscale(.5) T(c - 1)
+                | move(-.5,-.5,.1) uscale(.5) T(c - 1); }",
+            "fine",
+        ),
         // Every state has a number of its own.
         (
             "csg S { start T(9, 1); T(n, x) if n == 0 -> scale(1, 1, 1 + x % 2) sphere;

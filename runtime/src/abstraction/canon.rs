@@ -20,6 +20,10 @@ use crate::quick_hash::BuildQuickHash;
 
 /// States that one state may lead to and still be looked at one by one.
 const MOST_EXACT: usize = 1 << 15;
+/// The same for a state that is met in a run, which looks at many: most of them are as the one that it began at.
+const MOST_MODEST: usize = 1 << 10;
+/// States of a run that turn out to lead to too many, after which no other one is tried.
+const MOST_TRIED: u32 = 16;
 /// States that are kept before all of them are forgotten.
 const MOST_KEPT: usize = 1 << 16;
 
@@ -33,6 +37,8 @@ struct Node {
     next: Option<Box<[(u32, Origin)]>>,
     extent: Option<Extent>,
     exact: Option<bool>,
+    /// Whether it leads to no more than [`MOST_MODEST`].
+    modest: Option<bool>,
 }
 
 /// The kept states of a scene.
@@ -78,18 +84,16 @@ impl Canon {
     /// # Errors
     /// A cycle without bounds below it, or states too deep inside one another.
     pub(crate) fn extent(&mut self, flow: &Flow, state: AbstractState) -> Result<Extent, Fault> {
-        if self.nodes.len() > MOST_KEPT {
-            self.numbers.clear();
-            self.nodes.clear();
-            self.seen.clear();
-        }
-        let number = self.number(state);
+        self.make_room();
+        let mut number = self.number(state.clone());
         let kept = self.nodes[number as usize].extent;
         let extent = match kept {
             Some(extent) => extent,
             None if self.is_exact(flow, number)? => self.known(number),
             None => {
-                let extent = self.run(flow, number)?;
+                let extent = self.run(flow, state.clone())?;
+                // It may have been forgotten meanwhile.
+                number = self.number(state);
                 self.nodes[number as usize].extent = Some(extent);
                 extent
             }
@@ -98,6 +102,15 @@ impl Canon {
             return Err(self.too_deep(flow, number));
         }
         Ok(extent)
+    }
+
+    /// Forgets all states if there are too many.
+    fn make_room(&mut self) {
+        if self.nodes.len() > MOST_KEPT {
+            self.numbers.clear();
+            self.nodes.clear();
+            self.seen.clear();
+        }
     }
 
     fn blame<'a>(&self, flow: &'a Flow) -> Blamed<'a> {
@@ -131,7 +144,7 @@ impl Canon {
         let number = self.nodes.len() as u32;
         let state = Arc::new(state);
         self.numbers.insert(Arc::clone(&state), number);
-        self.nodes.push(Node { state, sketch: None, next: None, extent: None, exact: None });
+        self.nodes.push(Node { state, sketch: None, next: None, extent: None, exact: None, modest: None });
         self.seen.push((0, 0));
         number
     }
@@ -150,8 +163,8 @@ impl Canon {
         node.sketch = Some(drawn.sketch);
     }
 
-    /// All states that one leads to; none if they are too many, too deep inside one another, or one of them has too many.
-    fn search(&mut self, flow: &Flow, start: u32) -> Option<Found> {
+    /// All states that one leads to; none if they are more than `most`, too deep inside one another, or one of them has too many.
+    fn search(&mut self, flow: &Flow, start: u32, most: usize) -> Option<Found> {
         self.searches += 1;
         let search = self.searches;
         self.seen[start as usize] = (search, 0);
@@ -174,7 +187,7 @@ impl Canon {
                     found.push((*inner, at as u32, *called));
                 }
             }
-            if found.len() > MOST_EXACT {
+            if found.len() > most {
                 return None;
             }
             at += 1;
@@ -187,7 +200,7 @@ impl Canon {
         if let Some(exact) = self.nodes[start as usize].exact {
             return Ok(exact);
         }
-        let exact = match self.search(flow, start) {
+        let exact = match self.search(flow, start, MOST_EXACT) {
             None => false,
             Some(found) => {
                 self.solve(flow, &found)?;
@@ -196,6 +209,23 @@ impl Canon {
         };
         self.nodes[start as usize].exact = Some(exact);
         Ok(exact)
+    }
+
+    /// The same for states that lead to no more than [`MOST_MODEST`].
+    fn is_modest(&mut self, flow: &Flow, start: u32) -> Result<bool, Fault> {
+        if let Some(modest) = self.nodes[start as usize].modest {
+            return Ok(modest);
+        }
+        let found = self.search(flow, start, MOST_MODEST);
+        let modest = found.is_some();
+        match found {
+            None => self.nodes[start as usize].modest = Some(false),
+            Some(found) => {
+                self.solve(flow, &found)?;
+                found.iter().for_each(|it| self.nodes[it.0 as usize].modest = Some(true));
+            }
+        }
+        Ok(modest)
     }
 
     /// Finds what all states of a search amount to.
@@ -292,15 +322,22 @@ impl Canon {
     }
 
     /// What a state amounts to whose states are too many to be looked at one by one.
-    fn run(&mut self, flow: &Flow, number: u32) -> Result<Extent, Fault> {
-        let start = AbstractState::clone(&self.nodes[number as usize].state);
+    fn run(&mut self, flow: &Flow, start: AbstractState) -> Result<Extent, Fault> {
+        let mut tried = 0;
         let mut walker = Walker::new(Formals::AsGiven);
         let run = Run::new(flow, Rest::Wide, start);
         let outcome = run.finish(&mut walker, |state, _| {
             let state = Self::coarse(flow, state);
+            if tried >= MOST_TRIED {
+                return Ok(Meeting::Own(state));
+            }
+            self.make_room();
             let number = self.number(state.clone());
-            let exact = self.is_exact(flow, number)?;
-            Ok(if exact { Meeting::Known(self.known(number)) } else { Meeting::Own(state) })
+            if self.is_modest(flow, number)? {
+                return Ok(Meeting::Known(self.known(number)));
+            }
+            tried += 1;
+            Ok(Meeting::Own(state))
         })?;
         match outcome {
             Outcome::Extent(extent) => Ok(extent),

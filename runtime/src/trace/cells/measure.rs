@@ -37,6 +37,9 @@ const AXES: u32 = 24;
 const RAYS: u32 = 64;
 /// How wide the rays are, in parts of the state's size.
 const WIDTH: f64 = 1.0 / 12.0;
+/// Measurements inside one another: below, states are closed boxes. Where all states of a recursion without an end differ, there would
+/// always be another one to measure.
+const MOST_NESTED: usize = 16;
 /// States on paths of their own that stand for all that have the same values.
 const LIKENESSES: u32 = 4;
 
@@ -80,7 +83,12 @@ impl<'m> Measuring<'m> {
             between.push(it);
             here = it.outer;
         }
-        None
+        if between.len() < MOST_NESTED {
+            return None;
+        }
+        // What the outermost looks like follows from it alone, for it is always this many inside it that are looked at.
+        between.iter().rev().skip(1).for_each(|it| it.clean.store(false, Ordering::Relaxed));
+        Some(Known::UnderWay)
     }
 
     /// Keeps the looks of a state inside for as long as this measurement takes.

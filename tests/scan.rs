@@ -53,23 +53,43 @@ const PLANTS: &str = "
       show halfspace(0, 0, 1, 0);
     }";
 
+/// In how many pixels a program looks otherwise drawn than traced, and how many show one of its materials.
+fn different(text: &str) -> (usize, usize) {
+    let (traced, drawn) = (traced(text), drawn(text, StemSurface::Cones));
+    let (seen, found) = (layers(&traced), layers(&drawn));
+    let far = |a: f32, b: f32| (a - b).abs() > 1e-4 * (1.0 + a.abs());
+    let is_other = |pixel: &usize| {
+        let pixel = *pixel;
+        seen.material[pixel] != found.material[pixel]
+            || seen.depth[pixel] != found.depth[pixel] && far(seen.depth[pixel], found.depth[pixel])
+            || traced.color[pixel].iter().zip(&drawn.color[pixel]).any(|(a, b)| far(*a, *b))
+    };
+    let painted = seen.material.iter().filter(|it| **it > 1).count();
+    ((0..traced.color.len()).filter(is_other).count(), painted)
+}
+
 #[test]
 fn plants_look_as_rays_see_them_but_for_a_few_edges() {
-    let (traced, drawn) = (traced(PLANTS), drawn(PLANTS, StemSurface::Cones));
-    let (seen, found) = (layers(&traced), layers(&drawn));
-    let mut different = 0;
-    let mut painted = 0;
-    for pixel in 0..traced.color.len() {
-        let far = |a: f32, b: f32| (a - b).abs() > 1e-4 * (1.0 + a.abs());
-        let is_same = seen.material[pixel] == found.material[pixel]
-            && (seen.depth[pixel] == found.depth[pixel] || !far(seen.depth[pixel], found.depth[pixel]))
-            && traced.color[pixel].iter().zip(&drawn.color[pixel]).all(|(a, b)| !far(*a, *b));
-        different += u32::from(!is_same);
-        painted += u32::from(seen.material[pixel] > 1);
-    }
+    let (different, painted) = different(PLANTS);
     assert!(painted > 500, "{painted} pixels of plants");
     // Rounding decides at an edge, and of two segments that touch there.
-    assert!(different <= 4, "{different} of {} pixels differ", traced.color.len());
+    assert!(different <= 4, "{different} pixels differ");
+}
+
+#[test]
+fn textures_on_stems_lie_where_rays_see_them() {
+    let plants = |space: &str| {
+        let grain = format!("texture Grain {{ kind: fbm, space: {space}, frequency: 3 }}");
+        let waves = format!("shade: Waves }} texture Waves {{ kind: fourier, space: {space}, frequency: 2 }}");
+        let text = PLANTS.replace("texture Grain { kind: fbm, frequency: 3 }", &grain);
+        text.replacen("range: (.3, .3, .1) }", &format!("range: (.3, .3, .1), {waves}"), 1)
+    };
+    let (different, painted) = different(&plants("stem"));
+    assert!(painted > 500, "{painted} pixels of plants");
+    assert!(different <= 4, "{different} pixels differ");
+    // They do not lie where they would lie on a solid.
+    let [on_stems, on_solids] = ["stem", "object"].map(|it| drawn(&plants(it), StemSurface::Cones).color);
+    assert!(on_stems.iter().zip(&on_solids).filter(|(a, b)| a != b).count() > 500);
 }
 
 /// Stems that are thick, bent and forked, in sight of a camera at this place.

@@ -67,7 +67,7 @@ impl Shadows {
         let model = &scanner.model;
         let mut endless = Vec::new();
         Tour::default().endless(model, |met| {
-            if let What::Primitive(primitive) = met.what {
+            if let What::Primitive(primitive, _) = met.what {
                 endless.push(Endless { primitive: primitive.clone(), own_from_world: met.world_from_own.inverse() });
             }
         });
@@ -181,7 +181,7 @@ impl Map {
             let planes = frame.planes();
             tour.go(&scanner.model, projection, &planes, |met| {
                 if !met.what.is_endless() {
-                    draw::draw(frame, registers, &scanner.roughs, &met, Meeting::Middle);
+                    draw::draw(frame, registers, &scanner.materials, &met, Meeting::Middle);
                 }
             });
             depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);

@@ -10,7 +10,7 @@ use super::tree::Below;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Primitive};
 use crate::mesh::Surface;
-use crate::trace::Route;
+use crate::trace::{Bark, Route};
 
 /// Something that can be drawn, where it is in the world.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +23,8 @@ pub(crate) struct Met<'m> {
 /// What can be drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum What<'m> {
-    /// A primitive, by its equation.
-    Primitive(&'m Primitive),
+    /// A primitive, by its equation, with its bark if it is a segment of a stem.
+    Primitive(&'m Primitive, Option<&'m Bark>),
     /// Triangles of a surface, by their numbers.
     Surface(&'m Arc<Surface>, Run),
 }
@@ -123,7 +123,9 @@ impl Tour {
             };
             let thing = &component.things[thing as usize];
             match &thing.holds {
-                Holds::Primitive(primitive, origin) => each(site.met(thing, What::Primitive(primitive), *origin)),
+                Holds::Primitive(primitive, bark, origin) => {
+                    each(site.met(thing, What::Primitive(primitive, bark.as_deref()), *origin));
+                }
                 Holds::Surface(surface, run, origin) => each(site.met(thing, What::Surface(surface, *run), *origin)),
                 Holds::Component(inner) => {
                     let site = site.inner(thing, *inner);

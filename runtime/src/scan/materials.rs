@@ -11,6 +11,8 @@ pub(crate) struct Materials {
     roughs: Roughs,
     /// By number: whether the look depends on where things are on stems.
     on_stems: Box<[bool]>,
+    /// Whether light comes through any.
+    translucent: bool,
 }
 
 impl Materials {
@@ -19,12 +21,18 @@ impl Materials {
         Self {
             roughs: Roughs::new(&scene.materials, scene.seed),
             on_stems: numbers.map(|it| scene.is_painted_on_stems(it)).collect(),
+            translucent: scene.materials.iter().any(|it| it.translucent > 0.0),
         }
     }
 
     /// How the hulls of a material are carved, if they are.
     pub(crate) fn rough(&self, material: Option<MaterialId>) -> Option<&Arc<Rough>> {
         self.roughs.of(material)
+    }
+
+    /// Whether light comes through any of them.
+    pub(crate) fn are_translucent(&self) -> bool {
+        self.translucent
     }
 
     /// Whether its look depends on where things are on stems.

@@ -19,6 +19,8 @@ pub(crate) enum Meeting {
     First,
     /// In the middle of the first stretch inside.
     Middle,
+    /// At the end of that.
+    End,
 }
 
 /// Draws a primitive where it is met so, as the piece of the next number; says whether any of it is seen.
@@ -136,7 +138,7 @@ impl Meeting {
                 let ends = chords.iter().flat_map(|it| [it.near, it.far]);
                 ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
             }
-            Self::Middle => self.of_chord(chords.first()?),
+            Self::Middle | Self::End => self.of_chord(chords.first()?),
         }
     }
 
@@ -145,6 +147,7 @@ impl Meeting {
         match self {
             Self::First => [chord.near, chord.far].into_iter().find(|it| it.t > 0.0 && it.t.is_finite()),
             Self::Middle => Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face }),
+            Self::End => Some(chord.far),
         }
     }
 
@@ -158,6 +161,7 @@ impl Meeting {
         let (t, faces) = match self {
             Self::First => (comes_in.select(near, far), comes_in.select_bits(pieces.near.face, pieces.far.face)),
             Self::Middle => ((near + far) * Wide::splat(lanes, 0.5), pieces.near.face),
+            Self::End => (far, pieces.far.face),
         };
         let met = kernel.bits((pieces.met & t.gt(zero) & t.lt(infinity)).value);
         let faces: [u64; EIGHT] = pulp::cast(faces);

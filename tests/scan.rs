@@ -92,6 +92,35 @@ fn textures_on_stems_lie_where_rays_see_them() {
     assert!(on_stems.iter().zip(&on_solids).filter(|(a, b)| a != b).count() > 500);
 }
 
+/// A bent and forked trunk with deep bark, in front of another one.
+const BARK: &str = "
+    texture Ridges { kind: fbm, frequency: 2, octaves: 3, stretch: (1, 1, 3) }
+    material Bark { color: (.6, .5, .4), relief: Ridges, depth: .12 }
+    material Smooth { color: (.3, .5, .4) }
+    shape Trunk {
+      start segment(1.2, .5, .45) rotx(20) segment(1, .45, .4) [ rotx(50) segment(1.2, .3, .1) ] rotx(-45) segment(1.5, .4, 0);
+    }
+    scene {
+      camera { eye: (1, -7, 2), target: (0, 0, 1.5), fov: 32 }
+      sky { color: (.6, .7, .9) }
+      image { background: none }
+      show paint(Bark) Trunk();
+      show paint(Smooth) move(.5, 1.5, 0) Trunk();
+      show paint(Bark) move(-.9, .8, 0) mirror(1, 0, 0) scale(.7, .7, 1.1) Trunk();
+    }";
+
+#[test]
+fn relief_has_the_outline_the_depth_and_the_shades_that_rays_see() {
+    let (different, painted) = different(BARK);
+    assert!(painted > 1_500, "{painted} pixels of trunks");
+    assert!(different <= 4, "{different} pixels differ");
+    // Some of what the smooth stem would hide is seen.
+    let smooth = BARK.replace("relief: Ridges, depth: .12", "relief: Ridges, depth: 0");
+    let [carved, smooth] = [BARK, &smooth].map(|it| drawn(it, StemSurface::Cones));
+    let seen = layers(&carved).material.iter().zip(&layers(&smooth).material).filter(|(a, b)| a != b).count();
+    assert!(seen > 30, "{seen} pixels beside the relief");
+}
+
 /// Stems that are thick, bent and forked, in sight of a camera at this place.
 fn thick(eye: &str) -> String {
     format!(

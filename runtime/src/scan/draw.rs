@@ -14,6 +14,7 @@ use super::triangle::{self, Seeing};
 use crate::form::PrimitiveKind;
 use crate::geometry::Aabb;
 use crate::mesh::Surface;
+use crate::trace::Bark;
 
 /// Draws what is met and says what it is.
 pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Materials, met: &Met<'_>) {
@@ -53,7 +54,7 @@ pub(crate) fn draw(
             let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|it| seeing.corner(map.transform_point3(it)));
             triangle::draw(frame, &seeing, &corners, 0)
         }
-        What::Primitive(primitive, _) => solid::draw(frame, primitive, map, meeting),
+        What::Primitive(primitive, bark) => solid::draw(frame, (primitive, bark.and_then(Bark::relief)), map, meeting),
         What::Surface(surface, run) => {
             let seeing = Seeing::new(frame);
             let mut is_seen = false;

@@ -191,6 +191,11 @@ impl Grid<'_> {
         is_nearer
     }
 
+    /// The depth of what is nearest at a sample so far; infinite if nothing is.
+    pub(crate) fn depth(&self, column: usize, row: usize) -> f64 {
+        self.samples[row * self.rect.width as usize + column].depth
+    }
+
     /// Where the sample of a column and a row of the rectangle lies in the picture.
     #[inline]
     pub(crate) fn at(&self, column: usize, row: usize) -> DVec2 {

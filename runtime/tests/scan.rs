@@ -158,6 +158,11 @@ proptest! {
 
 /// Boxes and balls on and above a ground, in a sun, seen from above or from aside.
 fn shadowed(seed: u64, lens: Lens) -> Scene {
+    shadowed_on(seed, lens, |b| b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]))
+}
+
+/// The same on another ground.
+fn shadowed_on(seed: u64, lens: Lens, ground: impl Fn(&mut Builder) -> NodeId) -> Scene {
     let mut dice = Dice(seed);
     let mut b = Builder::default();
     let mut parts: Vec<NodeId> = (0..6)
@@ -167,7 +172,7 @@ fn shadowed(seed: u64, lens: Lens) -> Scene {
             placed(&mut dice, &mut b, leaf)
         })
         .collect();
-    parts.push(b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]));
+    parts.push(ground(&mut b));
     let start = b.union(&parts);
     let mut scene = b.scene(start);
     let direction = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), -1.0);
@@ -222,6 +227,24 @@ fn shadows_are_those_of_rays_but_for_a_band_along_their_edges() {
     // A few are where the sun grazes a face, or beside an edge that is outside of the picture.
     assert!(tally.different * 2000 < tally.compared, "{tally:?}");
     assert!(tally.compared > 40_000 && tally.dark > 1_000, "{tally:?}");
+}
+
+#[test]
+fn a_ground_that_is_very_large_leaves_shadows_as_sharp_as_one_without_an_end() {
+    let plate = |b: &mut Builder| {
+        let cube = b.primitive(PrimitiveKind::Box, &[]);
+        let low = b.transform(TransformKind::Move, &[0.0, 0.0, -1.0], cube);
+        let wide = b.transform(TransformKind::Scale, &[3e5, 3e5, 100.0], low);
+        b.transform(TransformKind::Move, &[0.0, 0.0, -0.8], wide)
+    };
+    for seed in 0..12 {
+        let lens = Lens::Perspective(40.0);
+        let scenes = [shadowed(seed, lens), shadowed_on(seed, lens, plate)];
+        let [endless, large] = scenes.map(|it| drawn(&it, &plain()).color);
+        let far = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-3);
+        // Rounding may decide at an edge.
+        assert!(endless.iter().zip(&large).filter(far).count() <= 2, "{seed}");
+    }
 }
 
 /// Thin leaves, with the sun behind them: disks, plates, lenses and triangles.

@@ -76,6 +76,14 @@ impl What<'_> {
         }
     }
 
+    /// A box around it in its own frame.
+    pub(crate) fn bounds(&self) -> Aabb {
+        match self {
+            Self::Primitive(primitive, _) => primitive.bounds(),
+            Self::Surface(surface, run) => bounds(surface, *run),
+        }
+    }
+
     /// How far it reaches in a direction of its own frame.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         match self {

@@ -10,6 +10,7 @@
 mod draw;
 mod frame;
 mod hull;
+mod large;
 mod materials;
 mod model;
 mod outline;

@@ -93,11 +93,6 @@ impl Model {
         self.components.len() - 1
     }
 
-    /// A box around all that ends.
-    pub(crate) fn bounds(&self) -> Aabb {
-        self.components[self.whole()].bounds
-    }
-
     /// How many primitives and triangles it stands for.
     pub(crate) fn count(&self) -> u64 {
         self.components[self.whole()].count

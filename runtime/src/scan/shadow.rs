@@ -4,7 +4,8 @@
 //! 1992, for surfaces): what faces the sun lies before it by half the solid's thickness, and so does not shadow itself, and what lies
 //! behind lies behind it by as much, so shadows begin where things touch. A point is looked up in three by three texels, each
 //! compared with the plane of its surface there, and the share of those that are lit is its light (percentage-closer filtering, Reeves,
-//! Salesin and Cook 1987). What has no end is not in maps: it is met by rays.
+//! Salesin and Cook 1987). What has no end, or is much larger than all else, is not in maps: it
+//! is met by rays.
 //!
 //! Where light comes through things, a second layer holds the **end** of the first stretch to end. What light comes through to is such an
 //! end itself, and in the shadow of what ends before it.
@@ -14,13 +15,14 @@ use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::hull::Registers;
+use super::large::Large;
 use super::model::Model;
 use super::projection::Projection;
 use super::solid::Meeting;
-use super::tour::{Tour, What};
+use super::tour::Tour;
 use super::{Scanner, draw};
 use crate::fault::Fault;
-use crate::geometry::{Aabb, Primitive, Ray};
+use crate::geometry::Aabb;
 use crate::picture::{Rect, Watch};
 use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
 
@@ -42,7 +44,7 @@ const STEEPEST: f64 = 8.0;
 #[derive(Debug)]
 pub(crate) struct Shadows {
     maps: Vec<Map>,
-    endless: Vec<Endless>,
+    large: Large,
     /// Where the picture is seen from: no point that is seen is known better than that.
     eye: DVec3,
 }
@@ -66,37 +68,25 @@ enum Layer {
     Ends,
 }
 
-/// A primitive without an end.
-#[derive(Debug)]
-struct Endless {
-    primitive: Primitive,
-    own_from_world: DAffine3,
-}
-
 impl Shadows {
     /// The shadows of suns in these directions, for a picture that is seen so. If the watch wishes to stop, they are not whole.
     pub(crate) fn new(scanner: &Scanner, suns: &[DVec3], seen: &Projection, watch: &dyn Watch) -> Self {
-        let model = &scanner.model;
-        let mut endless = Vec::new();
-        Tour::default().endless(model, |met| {
-            if let What::Primitive(primitive, _) = met.what {
-                endless.push(Endless { primitive: primitive.clone(), own_from_world: met.world_from_own.inverse() });
-            }
-        });
+        let large = Large::new(&scanner.model);
         let through = scanner.materials.are_translucent();
         let layers = suns.len().max(1) * if through { 2 } else { 1 };
         let most = MOST_TEXELS / layers as f64;
-        let maps = suns.iter().filter_map(|it| Map::new(model, *it, seen, (most, through))).collect();
-        let mut shadows = Self { maps, endless, eye: seen.eye };
-        shadows.maps.iter_mut().for_each(|it| it.fill(scanner, watch));
+        let maps =
+            suns.iter().filter_map(|it| Map::new((&scanner.model, &large), *it, seen, (most, through))).collect();
+        let mut shadows = Self { maps, large, eye: seen.eye };
+        let Self { maps, large, .. } = &mut shadows;
+        maps.iter_mut().for_each(|it| it.fill(scanner, large, watch));
         shadows
     }
 
     /// How much light comes along a beam to a surface with this normal.
     fn light_at(&self, SurfaceBeam { beam, from }: &SurfaceBeam, normal: DVec3) -> f64 {
-        // What starts on a surface without an end meets it at 0, up to rounding: far less than what is seen of it.
-        let least = 1e-9 * beam.ray.origin.abs().max(self.eye.abs()).max_element();
-        if self.endless.iter().any(|it| it.hides(&beam.ray, least)) {
+        let coordinates = beam.ray.origin.abs().max(self.eye.abs()).max_element();
+        if self.large.hides(&beam.ray, coordinates) {
             return 0.0;
         }
         let toward = |map: &&Map| -map.projection.forward.dot(beam.ray.direction);
@@ -148,23 +138,20 @@ fn see_nothing(rays: usize, seen: &mut Seen) {
     }
 }
 
-impl Endless {
-    /// Whether it is met by a ray after this t.
-    fn hides(&self, ray: &Ray, least: f64) -> bool {
-        let ray = ray.mapped(&self.own_from_world);
-        self.primitive.chords(&ray, None).iter().any(|it| it.far.t > least)
-    }
-}
-
 impl Map {
-    /// A map of all that ends, as seen from the sun, with so many texels at most in a layer; none if that is nothing. All depths are
+    /// A map of all that is not large, as seen from the sun, with so many texels at most in a layer; none if that is nothing. All depths are
     /// infinite. The layer of ends is there if rays go through things.
-    fn new(model: &Model, toward: DVec3, seen: &Projection, (most, through): (f64, bool)) -> Option<Self> {
+    fn new(
+        (model, large): (&Model, &Large),
+        toward: DVec3,
+        seen: &Projection,
+        (most, through): (f64, bool),
+    ) -> Option<Self> {
         let forward = -toward;
         let (right, up) = forward.any_orthonormal_pair();
-        let (low, high) = extent(model, &DMat3::from_cols(right, up, forward))?;
+        let (low, high) = extent(model, large, &DMat3::from_cols(right, up, forward))?;
         let size = (high - low).truncate();
-        let wanted = texel(&model.bounds(), seen)?.max(size.max_element() / (MOST_SIDE - 4.0));
+        let wanted = texel(&large.rest, seen)?.max(size.max_element() / (MOST_SIDE - 4.0));
         // A product may be as large as its larger factor allows.
         let texel = wanted.max((size.x * size.y / most).sqrt());
         // A border of two texels all around: nothing casts shadows there.
@@ -186,10 +173,10 @@ impl Map {
     }
 
     /// Draws what the sun sees.
-    fn fill(&mut self, scanner: &Scanner, watch: &dyn Watch) {
+    fn fill(&mut self, scanner: &Scanner, large: &Large, watch: &dyn Watch) {
         let size = [self.width, self.height];
-        draw_layer(&mut self.middles, size, &self.projection, Meeting::Middle, scanner, watch);
-        draw_layer(&mut self.ends, size, &self.projection, Meeting::End, scanner, watch);
+        draw_layer(&mut self.middles, size, &self.projection, Meeting::Middle, (scanner, large), watch);
+        draw_layer(&mut self.ends, size, &self.projection, Meeting::End, (scanner, large), watch);
     }
 
     /// How much of its sun's light comes to a point of a surface.
@@ -197,12 +184,15 @@ impl Map {
         let Some(place) = self.projection.place(point) else { return 1.0 };
         let nearest = place.at.floor();
         let slope = self.slope(normal);
+        let certain = (STEEPEST * self.projection.pixel / slope.length()).min(1.0);
         let mut lit = 0;
         for down in -1..=1 {
             for across in -1..=1 {
                 let texel = nearest + DVec2::new(f64::from(across), f64::from(down));
                 // Where the plane of the surface is in the middle of the texel.
-                let plane = place.depth + slope.dot(texel + 0.5 - place.at);
+                let rise = slope.dot(texel + 0.5 - place.at);
+                // A steep surface need not go on so far: it is not hidden by what is behind any of what it may be.
+                let plane = place.depth + rise.min(rise * certain);
                 let is_hidden = self.depth(texel, layer) < plane - BIAS * self.projection.pixel;
                 lit += u32::from(!is_hidden);
             }
@@ -219,7 +209,7 @@ impl Map {
         if facing <= 0.0 || !steep.is_finite() {
             return DVec2::ZERO;
         }
-        slope * (pixel * (STEEPEST / steep).min(1.0))
+        slope * pixel
     }
 
     /// What is in a texel; infinite outside of the map.
@@ -245,7 +235,7 @@ fn draw_layer(
     [width, height]: [u32; 2],
     projection: &Projection,
     meeting: Meeting,
-    scanner: &Scanner,
+    (scanner, large): (&Scanner, &Large),
     watch: &dyn Watch,
 ) {
     let room = || (Frame::new(*projection), Tour::default(), Registers::default());
@@ -258,7 +248,7 @@ fn draw_layer(
         frame.clear(Rect { x: 0, y, width, height: ROWS.min(height - y) }, &[DVec2::ZERO]);
         let planes = frame.planes();
         tour.go(&scanner.model, projection, &planes, |met| {
-            if !met.what.is_endless() {
+            if !large.has(&met) {
                 draw::draw(frame, registers, &scanner.materials, &met, meeting);
             }
         });
@@ -266,10 +256,13 @@ fn draw_layer(
     });
 }
 
-/// The least and the greatest coordinates of all that ends, along three axes; none if that is nothing.
-fn extent(model: &Model, axes: &DMat3) -> Option<(DVec3, DVec3)> {
+/// The least and the greatest coordinates of all that is not large, along three axes; none if that is nothing.
+fn extent(model: &Model, large: &Large, axes: &DMat3) -> Option<(DVec3, DVec3)> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     Tour::default().all(model, |met| {
+        if large.has(&met) {
+            return;
+        }
         let DAffine3 { matrix3, translation } = met.world_from_own;
         let reach = |axis: DVec3| translation.dot(axis) + met.what.support(matrix3.transpose() * axis);
         let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];

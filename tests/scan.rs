@@ -53,23 +53,72 @@ const PLANTS: &str = "
       show halfspace(0, 0, 1, 0);
     }";
 
+/// In how many pixels a program looks otherwise drawn than traced, and how many show one of its materials.
+fn different(text: &str) -> (usize, usize) {
+    let (traced, drawn) = (traced(text), drawn(text, StemSurface::Cones));
+    let (seen, found) = (layers(&traced), layers(&drawn));
+    let far = |a: f32, b: f32| (a - b).abs() > 1e-4 * (1.0 + a.abs());
+    let is_other = |pixel: &usize| {
+        let pixel = *pixel;
+        seen.material[pixel] != found.material[pixel]
+            || seen.depth[pixel] != found.depth[pixel] && far(seen.depth[pixel], found.depth[pixel])
+            || traced.color[pixel].iter().zip(&drawn.color[pixel]).any(|(a, b)| far(*a, *b))
+    };
+    let painted = seen.material.iter().filter(|it| **it > 1).count();
+    ((0..traced.color.len()).filter(is_other).count(), painted)
+}
+
 #[test]
 fn plants_look_as_rays_see_them_but_for_a_few_edges() {
-    let (traced, drawn) = (traced(PLANTS), drawn(PLANTS, StemSurface::Cones));
-    let (seen, found) = (layers(&traced), layers(&drawn));
-    let mut different = 0;
-    let mut painted = 0;
-    for pixel in 0..traced.color.len() {
-        let far = |a: f32, b: f32| (a - b).abs() > 1e-4 * (1.0 + a.abs());
-        let is_same = seen.material[pixel] == found.material[pixel]
-            && (seen.depth[pixel] == found.depth[pixel] || !far(seen.depth[pixel], found.depth[pixel]))
-            && traced.color[pixel].iter().zip(&drawn.color[pixel]).all(|(a, b)| !far(*a, *b));
-        different += u32::from(!is_same);
-        painted += u32::from(seen.material[pixel] > 1);
-    }
+    let (different, painted) = different(PLANTS);
     assert!(painted > 500, "{painted} pixels of plants");
     // Rounding decides at an edge, and of two segments that touch there.
-    assert!(different <= 4, "{different} of {} pixels differ", traced.color.len());
+    assert!(different <= 4, "{different} pixels differ");
+}
+
+#[test]
+fn textures_on_stems_lie_where_rays_see_them() {
+    let plants = |space: &str| {
+        let grain = format!("texture Grain {{ kind: fbm, space: {space}, frequency: 3 }}");
+        let waves = format!("shade: Waves }} texture Waves {{ kind: fourier, space: {space}, frequency: 2 }}");
+        let text = PLANTS.replace("texture Grain { kind: fbm, frequency: 3 }", &grain);
+        text.replacen("range: (.3, .3, .1) }", &format!("range: (.3, .3, .1), {waves}"), 1)
+    };
+    let (different, painted) = different(&plants("stem"));
+    assert!(painted > 500, "{painted} pixels of plants");
+    assert!(different <= 4, "{different} pixels differ");
+    // They do not lie where they would lie on a solid.
+    let [on_stems, on_solids] = ["stem", "object"].map(|it| drawn(&plants(it), StemSurface::Cones).color);
+    assert!(on_stems.iter().zip(&on_solids).filter(|(a, b)| a != b).count() > 500);
+}
+
+/// A bent and forked trunk with deep bark, in front of another one.
+const BARK: &str = "
+    texture Ridges { kind: fbm, frequency: 2, octaves: 3, stretch: (1, 1, 3) }
+    material Bark { color: (.6, .5, .4), relief: Ridges, depth: .12 }
+    material Smooth { color: (.3, .5, .4) }
+    shape Trunk {
+      start segment(1.2, .5, .45) rotx(20) segment(1, .45, .4) [ rotx(50) segment(1.2, .3, .1) ] rotx(-45) segment(1.5, .4, 0);
+    }
+    scene {
+      camera { eye: (1, -7, 2), target: (0, 0, 1.5), fov: 32 }
+      sky { color: (.6, .7, .9) }
+      image { background: none }
+      show paint(Bark) Trunk();
+      show paint(Smooth) move(.5, 1.5, 0) Trunk();
+      show paint(Bark) move(-.9, .8, 0) mirror(1, 0, 0) scale(.7, .7, 1.1) Trunk();
+    }";
+
+#[test]
+fn relief_has_the_outline_the_depth_and_the_shades_that_rays_see() {
+    let (different, painted) = different(BARK);
+    assert!(painted > 1_500, "{painted} pixels of trunks");
+    assert!(different <= 4, "{different} pixels differ");
+    // Some of what the smooth stem would hide is seen.
+    let smooth = BARK.replace("relief: Ridges, depth: .12", "relief: Ridges, depth: 0");
+    let [carved, smooth] = [BARK, &smooth].map(|it| drawn(it, StemSurface::Cones));
+    let seen = layers(&carved).material.iter().zip(&layers(&smooth).material).filter(|(a, b)| a != b).count();
+    assert!(seen > 30, "{seen} pixels beside the relief");
 }
 
 /// Stems that are thick, bent and forked, in sight of a camera at this place.

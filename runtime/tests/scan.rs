@@ -158,6 +158,11 @@ proptest! {
 
 /// Boxes and balls on and above a ground, in a sun, seen from above or from aside.
 fn shadowed(seed: u64, lens: Lens) -> Scene {
+    shadowed_on(seed, lens, |b| b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]))
+}
+
+/// The same on another ground.
+fn shadowed_on(seed: u64, lens: Lens, ground: impl Fn(&mut Builder) -> NodeId) -> Scene {
     let mut dice = Dice(seed);
     let mut b = Builder::default();
     let mut parts: Vec<NodeId> = (0..6)
@@ -167,7 +172,7 @@ fn shadowed(seed: u64, lens: Lens) -> Scene {
             placed(&mut dice, &mut b, leaf)
         })
         .collect();
-    parts.push(b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]));
+    parts.push(ground(&mut b));
     let start = b.union(&parts);
     let mut scene = b.scene(start);
     let direction = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), -1.0);
@@ -185,26 +190,101 @@ fn is_even(picture: &Picture, pixel: usize, around: usize) -> bool {
     near.all(|it| picture.color[it].iter().zip(&picture.color[pixel]).all(|(a, b)| (a - b).abs() < 0.06))
 }
 
+/// How pixels away from the edges of light and shadow compare.
+#[derive(Debug, Default)]
+struct Tally {
+    compared: u32,
+    /// Those that no sun shines on, and those that are lit.
+    dark: u32,
+    lit: u32,
+    different: u32,
+}
+
+impl Tally {
+    fn add(&mut self, scene: &Scene) {
+        let (seen, found) = (traced(scene, &plain()), drawn(scene, &plain()));
+        let unlit = drawn(&Scene { suns: Vec::new(), sky: Some(Sky::default()), ..scene.clone() }, &plain());
+        let depth = &seen.layers.as_ref().unwrap().depth;
+        for pixel in (0..seen.color.len()).filter(|it| depth[*it].is_finite() && is_even(&seen, *it, 3)) {
+            let differs = seen.color[pixel].iter().zip(&found.color[pixel]).any(|(a, b)| (a - b).abs() > 0.02);
+            self.compared += 1;
+            self.different += u32::from(differs);
+            self.dark += u32::from((seen.color[pixel][0] - unlit.color[pixel][0]).abs() < 1e-4);
+            self.lit += u32::from(seen.color[pixel][0] > unlit.color[pixel][0] + 0.05);
+        }
+    }
+}
+
 /// A map has two texels in a pixel, and three by three of them are looked at: the edge of a shadow is that wide, and on a slant wider.
 #[test]
 fn shadows_are_those_of_rays_but_for_a_band_along_their_edges() {
-    let (mut compared, mut dark, mut different) = (0, 0, 0);
+    let mut tally = Tally::default();
     for seed in 0..24 {
         for lens in [Lens::Perspective(40.0), Lens::Orthographic(4.0)] {
-            let scene = shadowed(seed, lens);
-            let (seen, found) = (traced(&scene, &plain()), drawn(&scene, &plain()));
-            let unlit = drawn(&Scene { suns: Vec::new(), sky: Some(Sky::default()), ..scene.clone() }, &plain());
-            for pixel in (0..seen.color.len()).filter(|it| is_even(&seen, *it, 3)) {
-                let differs = seen.color[pixel].iter().zip(&found.color[pixel]).any(|(a, b)| (a - b).abs() > 0.02);
-                compared += 1;
-                different += u32::from(differs);
-                dark += u32::from(seen.color[pixel] == unlit.color[pixel]);
-            }
+            tally.add(&shadowed(seed, lens));
         }
     }
     // A few are where the sun grazes a face, or beside an edge that is outside of the picture.
-    assert!(different * 2000 < compared, "{different} of {compared} pixels differ");
-    assert!(compared > 40_000 && dark > 2_000, "{compared} pixels are away from edges, {dark} of them in shadows");
+    assert!(tally.different * 2000 < tally.compared, "{tally:?}");
+    assert!(tally.compared > 40_000 && tally.dark > 1_000, "{tally:?}");
+}
+
+#[test]
+fn a_ground_that_is_very_large_leaves_shadows_as_sharp_as_one_without_an_end() {
+    let plate = |b: &mut Builder| {
+        let cube = b.primitive(PrimitiveKind::Box, &[]);
+        let low = b.transform(TransformKind::Move, &[0.0, 0.0, -1.0], cube);
+        let wide = b.transform(TransformKind::Scale, &[3e5, 3e5, 100.0], low);
+        b.transform(TransformKind::Move, &[0.0, 0.0, -0.8], wide)
+    };
+    for seed in 0..12 {
+        let lens = Lens::Perspective(40.0);
+        let scenes = [shadowed(seed, lens), shadowed_on(seed, lens, plate)];
+        let [endless, large] = scenes.map(|it| drawn(&it, &plain()).color);
+        let far = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-3);
+        // Rounding may decide at an edge.
+        assert!(endless.iter().zip(&large).filter(far).count() <= 2, "{seed}");
+    }
+}
+
+/// Thin leaves, with the sun behind them: disks, plates, lenses and triangles.
+fn leaves(seed: u64, lens: Lens) -> Scene {
+    let mut dice = Dice(seed);
+    let mut b = Builder::default();
+    let kinds = [PrimitiveKind::Cylinder, PrimitiveKind::Box, PrimitiveKind::Sphere, PrimitiveKind::Triangle];
+    let parts: Vec<NodeId> = (0..8)
+        .map(|number| {
+            let leaf = b.primitive(kinds[number % kinds.len()], &[]);
+            let size = dice.between(0.6, 0.9);
+            let leaf = b.transform(TransformKind::Scale, &[size, size, dice.between(0.002, 0.05)], leaf);
+            let axis = [dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), 0.3, dice.between(-15.0, 15.0)];
+            let leaf = b.transform(TransformKind::Rotate, &axis, leaf);
+            // One behind the other, and none through another: where things cross, shadows begin too late.
+            let offset = [dice.between(-1.2, 1.2), dice.between(-1.2, 1.2), 0.4 * number as f64 - 1.4];
+            b.transform(TransformKind::Move, &offset, leaf)
+        })
+        .collect();
+    let all = b.union(&parts);
+    let all = b.paint(0, all);
+    let mut scene = b.scene(all);
+    scene.materials = vec![Material { color: [0.8; 3], translucent: 0.6, ..Material::default() }];
+    let aside = DVec3::new(dice.between(-0.5, 0.5), dice.between(-0.5, 0.5), 1.0);
+    scene.suns = vec![Sun { direction: aside, color: [1.0; 3], strength: 1.0, size: 0.0 }];
+    let eye = DVec3::new(dice.between(-2.0, 2.0), dice.between(-2.0, 2.0), 6.0);
+    scene.camera = Some(Camera { eye, target: DVec3::ZERO, up: DVec3::Y, lens });
+    scene
+}
+
+#[test]
+fn light_comes_through_thin_things_as_it_does_for_rays() {
+    let mut tally = Tally::default();
+    for seed in 0..24 {
+        for lens in [Lens::Perspective(25.0), Lens::Orthographic(2.6)] {
+            tally.add(&leaves(seed, lens));
+        }
+    }
+    assert!(tally.different * 200 < tally.lit, "{tally:?}");
+    assert!(tally.lit > 5_000 && tally.dark > 1_000, "{tally:?}");
 }
 
 #[test]

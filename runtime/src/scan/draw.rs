@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::frame::{Frame, Piece, Shape};
 use super::hull::{self, Hull, Registers};
+use super::materials::Materials;
 use super::model::Run;
 use super::solid::{self, Meeting};
 use super::tour::{Met, What};
@@ -13,20 +14,22 @@ use super::triangle::{self, Seeing};
 use crate::form::PrimitiveKind;
 use crate::geometry::Aabb;
 use crate::mesh::Surface;
-use crate::texture::Roughs;
+use crate::trace::Bark;
 
-/// Draws what is met and says what it is; `roughs` say how hulls are carved.
-pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, roughs: &Roughs, met: &Met<'_>) {
-    if draw(frame, registers, roughs, met, Meeting::First) {
+/// Draws what is met and says what it is.
+pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Materials, met: &Met<'_>) {
+    if draw(frame, registers, materials, met, Meeting::First) {
         let own_from_world = Box::new(met.world_from_own.inverse());
-        let shape = match met.what {
-            What::Primitive(primitive) => {
-                let rough = primitive.hull().and_then(|_| roughs.of(met.look.material)).cloned();
-                Shape::Primitive(primitive.clone(), own_from_world, rough)
+        let material = met.look.material;
+        let (shape, bark) = match met.what {
+            What::Primitive(primitive, bark) => {
+                let rough = primitive.hull().and_then(|_| materials.rough(material)).cloned();
+                (Shape::Primitive(primitive.clone(), own_from_world, rough), bark)
             }
-            What::Surface(surface, _) => Shape::Surface(Arc::clone(surface), own_from_world),
+            What::Surface(surface, _) => (Shape::Surface(Arc::clone(surface), own_from_world), None),
         };
-        frame.say(Piece { look: met.look, shape });
+        let rind = bark.filter(|_| materials.is_on_stems(material)).map(|it| Box::new(it.rind));
+        frame.say(Piece { look: met.look, shape, rind });
     }
 }
 
@@ -34,24 +37,24 @@ pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, roughs: &Roughs
 pub(crate) fn draw(
     frame: &mut Frame,
     registers: &mut Registers,
-    roughs: &Roughs,
+    materials: &Materials,
     met: &Met<'_>,
     meeting: Meeting,
 ) -> bool {
     let map = &met.world_from_own;
-    if let What::Primitive(primitive) = met.what
+    if let What::Primitive(primitive, _) = met.what
         && let Some(set) = primitive.hull()
     {
-        let hull = Hull { primitive, set, world_from_own: map, rough: roughs.of(met.look.material) };
+        let hull = Hull { primitive, set, world_from_own: map, rough: materials.rough(met.look.material) };
         return hull::draw(frame, registers, hull, meeting);
     }
     match met.what {
-        What::Primitive(primitive) if primitive.kind() == PrimitiveKind::Triangle => {
+        What::Primitive(primitive, _) if primitive.kind() == PrimitiveKind::Triangle => {
             let seeing = Seeing::new(frame);
             let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|it| seeing.corner(map.transform_point3(it)));
             triangle::draw(frame, &seeing, &corners, 0)
         }
-        What::Primitive(primitive) => solid::draw(frame, primitive, map, meeting),
+        What::Primitive(primitive, bark) => solid::draw(frame, (primitive, bark.and_then(Bark::relief)), map, meeting),
         What::Surface(surface, run) => {
             let seeing = Seeing::new(frame);
             let mut is_seen = false;
@@ -68,15 +71,23 @@ impl What<'_> {
     /// Whether it has no end.
     pub(crate) fn is_endless(&self) -> bool {
         match self {
-            Self::Primitive(primitive) => !primitive.bounds().is_finite(),
+            Self::Primitive(primitive, _) => !primitive.bounds().is_finite(),
             Self::Surface(..) => false,
+        }
+    }
+
+    /// A box around it in its own frame.
+    pub(crate) fn bounds(&self) -> Aabb {
+        match self {
+            Self::Primitive(primitive, _) => primitive.bounds(),
+            Self::Surface(surface, run) => bounds(surface, *run),
         }
     }
 
     /// How far it reaches in a direction of its own frame.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         match self {
-            Self::Primitive(primitive) => primitive.support(direction),
+            Self::Primitive(primitive, _) => primitive.support(direction),
             Self::Surface(surface, run) => {
                 let corners = triangles(surface, *run).flat_map(|it| it.1);
                 corners.map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::outline::DOUBT;
 use super::projection::{Plane, Projection};
 use super::tour::Look;
-use crate::geometry::Primitive;
+use crate::geometry::{Primitive, Rind};
 use crate::mesh::Surface;
 use crate::picture::Rect;
 use crate::texture::Rough;
@@ -46,6 +46,8 @@ pub(crate) struct Piece {
     pub(crate) look: Look,
     /// What its normals are.
     pub(crate) shape: Shape,
+    /// The rind in the frame of the shape, if its look depends on that.
+    pub(crate) rind: Option<Box<Rind>>,
 }
 
 /// The form of a [`Piece`].
@@ -189,6 +191,11 @@ impl Grid<'_> {
         is_nearer
     }
 
+    /// The depth of what is nearest at a sample so far; infinite if nothing is.
+    pub(crate) fn depth(&self, column: usize, row: usize) -> f64 {
+        self.samples[row * self.rect.width as usize + column].depth
+    }
+
     /// Where the sample of a column and a row of the rectangle lies in the picture.
     #[inline]
     pub(crate) fn at(&self, column: usize, row: usize) -> DVec2 {
@@ -207,14 +214,27 @@ impl Piece {
             ..Fragment::of_surface(t, position, normal, self.look.origin)
         });
         if let Some(world_from_paint) = &self.look.world_from_paint {
-            let paint_from_world = world_from_paint.inverse();
-            let position = paint_from_world.transform_point3(position);
-            seen.paint(Painted { position, paint_from_world: paint_from_world.matrix3 });
+            seen.paint(painted(position, &world_from_paint.inverse()));
+        }
+        if let Some(rind) = &self.rind {
+            seen.paint_on_stem(painted(position, self.shape.own_from_world()).on(rind));
         }
     }
 }
 
+/// A place of the world in a frame.
+fn painted(position: DVec3, frame_from_world: &DAffine3) -> Painted {
+    let position = frame_from_world.transform_point3(position);
+    Painted { position, paint_from_world: frame_from_world.matrix3 }
+}
+
 impl Shape {
+    fn own_from_world(&self) -> &DAffine3 {
+        match self {
+            Self::Primitive(_, own_from_world, _) | Self::Surface(_, own_from_world) => own_from_world,
+        }
+    }
+
     fn normal(&self, position: DVec3, face: u32, beam: &Beam) -> DVec3 {
         let (own, own_from_world, is_solid) = match self {
             Self::Primitive(primitive, own_from_world, rough) => {
@@ -259,7 +279,8 @@ mod tests {
             let column = if number == 0 { 1 } else { 0 };
             assert!(frame.grid(0).put(column, 0, 20_000.0 - f64::from(number), piece, 0));
             let look = Look { material: None, world_from_paint: None, route: u64::from(number), origin: Origin::NONE };
-            frame.say(Piece { look, shape: Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY), None) });
+            let shape = Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY), None);
+            frame.say(Piece { look, shape, rind: None });
             most = most.max(frame.pieces.len());
         }
         assert!(most <= 2 * LEAST_PIECES, "{most}");

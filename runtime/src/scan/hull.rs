@@ -292,6 +292,7 @@ fn put(
         (Meeting::First, _, far) => far,
         (Meeting::Middle, Some(near), Some(far)) => Some((0.5 * (near.0 + far.0), near.1)),
         (Meeting::Middle, _, _) => None,
+        (Meeting::End, _, far) => far,
     };
     met.is_some_and(|(t, face)| t.is_finite() && grid.put(column, row, t, piece, face))
 }

@@ -10,6 +10,8 @@
 mod draw;
 mod frame;
 mod hull;
+mod large;
+mod materials;
 mod model;
 mod outline;
 mod projection;
@@ -24,10 +26,10 @@ use crate::form::Scene;
 use crate::limits::Limits;
 use crate::mesh::{LeftOut, StemSurface};
 use crate::picture::Watch;
-use crate::texture::Roughs;
 
 pub(crate) use frame::Frame;
 use hull::Registers;
+use materials::Materials;
 use model::Model;
 pub(crate) use projection::Projection;
 pub(crate) use shadow::Shadows;
@@ -45,8 +47,7 @@ pub(crate) struct Room {
 pub struct Scanner {
     model: Model,
     left_out: Vec<LeftOut>,
-    /// How the surfaces of materials are carved.
-    roughs: Roughs,
+    materials: Materials,
 }
 
 impl Scanner {
@@ -57,7 +58,7 @@ impl Scanner {
     /// A fault of the scene, or a limit.
     pub fn new(scene: &Scene, stems: StemSurface, limits: &Limits, watch: &dyn Watch) -> Result<Self, Fault> {
         let (model, left_out) = Model::new(scene, stems, limits, watch)?;
-        Ok(Self { model, left_out, roughs: Roughs::new(&scene.materials, scene.seed) })
+        Ok(Self { model, left_out, materials: Materials::new(scene) })
     }
 
     /// What it does not draw, in the order in which it was met.
@@ -75,6 +76,6 @@ impl Scanner {
         let Room { tour, registers } = room;
         let projection = *frame.projection();
         let planes = frame.planes();
-        tour.go(&self.model, &projection, &planes, |met| draw::show(frame, registers, &self.roughs, &met));
+        tour.go(&self.model, &projection, &planes, |met| draw::show(frame, registers, &self.materials, &met));
     }
 }

@@ -16,7 +16,7 @@ use crate::limits::Limits;
 use crate::mesh::walk::{self, Maker, limit};
 use crate::mesh::{self, LeftOut, StemSurface, Surface};
 use crate::picture::Watch;
-use crate::trace::{Item, Route, Solid, WholeStem};
+use crate::trace::{Bark, Item, Route, Solid, WholeStem};
 
 /// All components of a scene.
 #[derive(Debug)]
@@ -59,8 +59,8 @@ const TOGETHER: u32 = 64;
 /// What a [`Thing`] is.
 #[derive(Clone, Debug)]
 pub(crate) enum Holds {
-    /// A primitive, and its place in the text.
-    Primitive(Box<Primitive>, Origin),
+    /// A primitive, what is known of its bark if it is a segment of a stem, and its place in the text.
+    Primitive(Box<Primitive>, Option<Box<Bark>>, Origin),
     /// Triangles of a surface, and the place in the text of what that is the surface of.
     Surface(Arc<Surface>, Run, Origin),
     /// The component of this number.
@@ -91,11 +91,6 @@ impl Model {
     /// The number of the component that is the whole.
     pub(crate) fn whole(&self) -> usize {
         self.components.len() - 1
-    }
-
-    /// A box around all that ends.
-    pub(crate) fn bounds(&self) -> Aabb {
-        self.components[self.whole()].bounds
     }
 
     /// How many primitives and triangles it stands for.
@@ -160,10 +155,11 @@ impl Maker for Modeller {
     }
 
     fn leaf(&mut self, component: &mut Making, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
-        let Solid::Leaf { primitive, origin, .. } = &item.solid else { return Ok(None) };
+        let Solid::Leaf { primitive, origin, bark } = &item.solid else { return Ok(None) };
         self.spend(component, 1, *origin)?;
         let bounds = primitive.bounds().mapped(&item.group_from_item);
-        component.put(bounds, &bounds, thing(item, Holds::Primitive(Box::new(primitive.clone()), *origin)));
+        let holds = Holds::Primitive(Box::new(primitive.clone()), bark.clone(), *origin);
+        component.put(bounds, &bounds, thing(item, holds));
         Ok(None)
     }
 

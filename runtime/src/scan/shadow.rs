@@ -4,26 +4,31 @@
 //! 1992, for surfaces): what faces the sun lies before it by half the solid's thickness, and so does not shadow itself, and what lies
 //! behind lies behind it by as much, so shadows begin where things touch. A point is looked up in three by three texels, each
 //! compared with the plane of its surface there, and the share of those that are lit is its light (percentage-closer filtering, Reeves,
-//! Salesin and Cook 1987). What has no end is not in maps: it is met by rays.
+//! Salesin and Cook 1987). What has no end, or is much larger than all else, is not in maps: it
+//! is met by rays.
+//!
+//! Where light comes through things, a second layer holds the **end** of the first stretch to end. What light comes through to is such an
+//! end itself, and in the shadow of what ends before it.
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::hull::Registers;
+use super::large::Large;
 use super::model::Model;
 use super::projection::Projection;
 use super::solid::Meeting;
-use super::tour::{Tour, What};
+use super::tour::Tour;
 use super::{Scanner, draw};
 use crate::fault::Fault;
-use crate::geometry::{Aabb, Primitive, Ray};
+use crate::geometry::Aabb;
 use crate::picture::{Rect, Watch};
 use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
 
 /// How many rows of texels one thread draws at once.
 const ROWS: u32 = 32;
-/// How many texels all maps together have at most, and how many one has along a side.
+/// How many texels all layers of all maps together have at most, and how many one has along a side.
 const MOST_TEXELS: f64 = (1u32 << 25) as f64;
 const MOST_SIDE: f64 = 4096.0;
 /// How many texels lie side by side in a pixel of the picture, where that is near.
@@ -39,7 +44,7 @@ const STEEPEST: f64 = 8.0;
 #[derive(Debug)]
 pub(crate) struct Shadows {
     maps: Vec<Map>,
-    endless: Vec<Endless>,
+    large: Large,
     /// Where the picture is seen from: no point that is seen is known better than that.
     eye: DVec3,
 }
@@ -50,44 +55,45 @@ struct Map {
     projection: Projection,
     width: u32,
     height: u32,
-    /// Row by row.
-    depths: Vec<f32>,
+    /// Row by row: the middle of what light goes through first.
+    middles: Vec<f32>,
+    /// Where it first comes out of something; empty if no ray asks that.
+    ends: Vec<f32>,
 }
 
-/// A primitive without an end.
-#[derive(Debug)]
-struct Endless {
-    primitive: Primitive,
-    own_from_world: DAffine3,
+/// Which depths of a [`Map`] a point is compared with.
+#[derive(Clone, Copy, Debug)]
+enum Layer {
+    Middles,
+    Ends,
 }
 
 impl Shadows {
     /// The shadows of suns in these directions, for a picture that is seen so. If the watch wishes to stop, they are not whole.
     pub(crate) fn new(scanner: &Scanner, suns: &[DVec3], seen: &Projection, watch: &dyn Watch) -> Self {
-        let model = &scanner.model;
-        let mut endless = Vec::new();
-        Tour::default().endless(model, |met| {
-            if let What::Primitive(primitive) = met.what {
-                endless.push(Endless { primitive: primitive.clone(), own_from_world: met.world_from_own.inverse() });
-            }
-        });
-        let most = MOST_TEXELS / suns.len().max(1) as f64;
-        let maps = suns.iter().filter_map(|it| Map::new(model, *it, seen, most)).collect();
-        let mut shadows = Self { maps, endless, eye: seen.eye };
-        shadows.maps.iter_mut().for_each(|it| it.fill(scanner, watch));
+        let large = Large::new(&scanner.model);
+        let through = scanner.materials.are_translucent();
+        let layers = suns.len().max(1) * if through { 2 } else { 1 };
+        let most = MOST_TEXELS / layers as f64;
+        let maps =
+            suns.iter().filter_map(|it| Map::new((&scanner.model, &large), *it, seen, (most, through))).collect();
+        let mut shadows = Self { maps, large, eye: seen.eye };
+        let Self { maps, large, .. } = &mut shadows;
+        maps.iter_mut().for_each(|it| it.fill(scanner, large, watch));
         shadows
     }
 
-    fn light_at(&self, beam: &Beam, normal: DVec3) -> f64 {
-        // What starts on a surface without an end meets it at 0, up to rounding: far less than what is seen of it.
-        let least = 1e-9 * beam.ray.origin.abs().max(self.eye.abs()).max_element();
-        if self.endless.iter().any(|it| it.hides(&beam.ray, least)) {
+    /// How much light comes along a beam to a surface with this normal.
+    fn light_at(&self, SurfaceBeam { beam, from }: &SurfaceBeam, normal: DVec3) -> f64 {
+        let coordinates = beam.ray.origin.abs().max(self.eye.abs()).max_element();
+        if self.large.hides(&beam.ray, coordinates) {
             return 0.0;
         }
         let toward = |map: &&Map| -map.projection.forward.dot(beam.ray.direction);
         // Of suns with a disc, beams go to any point of it.
         let nearest = self.maps.iter().max_by(|a, b| toward(a).total_cmp(&toward(b)));
-        nearest.map_or(1.0, |it| it.light(beam.ray.origin, normal))
+        let (normal, layer) = if from.is_through() { (-normal, Layer::Ends) } else { (normal, Layer::Middles) };
+        nearest.map_or(1.0, |it| it.light(beam.ray.origin, normal, layer))
     }
 }
 
@@ -104,13 +110,13 @@ impl Tracer for Shadows {
 
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
-        light.extend(beams.iter().map(|it| self.light_at(&it.beam, it.beam.ray.direction)));
+        light.extend(beams.iter().map(|it| self.light_at(it, it.beam.ray.direction)));
         Ok(())
     }
 
     fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
-        light.extend(beams.iter().zip(normals).map(|(it, normal)| self.light_at(&it.beam, *normal)));
+        light.extend(beams.iter().zip(normals).map(|(it, normal)| self.light_at(it, *normal)));
         Ok(())
     }
 
@@ -132,22 +138,20 @@ fn see_nothing(rays: usize, seen: &mut Seen) {
     }
 }
 
-impl Endless {
-    /// Whether it is met by a ray after this t.
-    fn hides(&self, ray: &Ray, least: f64) -> bool {
-        let ray = ray.mapped(&self.own_from_world);
-        self.primitive.chords(&ray, None).iter().any(|it| it.far.t > least)
-    }
-}
-
 impl Map {
-    /// A map of all that ends, as seen from the sun; none if that is nothing. All depths are infinite.
-    fn new(model: &Model, toward: DVec3, seen: &Projection, most: f64) -> Option<Self> {
+    /// A map of all that is not large, as seen from the sun, with so many texels at most in a layer; none if that is nothing. All depths are
+    /// infinite. The layer of ends is there if rays go through things.
+    fn new(
+        (model, large): (&Model, &Large),
+        toward: DVec3,
+        seen: &Projection,
+        (most, through): (f64, bool),
+    ) -> Option<Self> {
         let forward = -toward;
         let (right, up) = forward.any_orthonormal_pair();
-        let (low, high) = extent(model, &DMat3::from_cols(right, up, forward))?;
+        let (low, high) = extent(model, large, &DMat3::from_cols(right, up, forward))?;
         let size = (high - low).truncate();
-        let wanted = texel(&model.bounds(), seen)?.max(size.max_element() / (MOST_SIDE - 4.0));
+        let wanted = texel(&large.rest, seen)?.max(size.max_element() / (MOST_SIDE - 4.0));
         // A product may be as large as its larger factor allows.
         let texel = wanted.max((size.x * size.y / most).sqrt());
         // A border of two texels all around: nothing casts shadows there.
@@ -163,43 +167,33 @@ impl Map {
             pixel: texel,
             parallel: true,
         };
-        let depths = vec![f32::INFINITY; width as usize * height as usize];
-        projection.eye.is_finite().then_some(Self { projection, width, height, depths })
+        let count = width as usize * height as usize;
+        let [middles, ends] = [count, if through { count } else { 0 }].map(|it| vec![f32::INFINITY; it]);
+        projection.eye.is_finite().then_some(Self { projection, width, height, middles, ends })
     }
 
     /// Draws what the sun sees.
-    fn fill(&mut self, scanner: &Scanner, watch: &dyn Watch) {
-        let Self { projection, width, height, depths } = self;
-        let room = || (Frame::new(*projection), Tour::default(), Registers::default());
-        let bands = depths.par_chunks_mut((ROWS * *width) as usize).enumerate();
-        bands.for_each_init(room, |(frame, tour, registers), (band, depths)| {
-            if watch.interrupted() {
-                return;
-            }
-            let y = band as u32 * ROWS;
-            frame.clear(Rect { x: 0, y, width: *width, height: ROWS.min(*height - y) }, &[DVec2::ZERO]);
-            let planes = frame.planes();
-            tour.go(&scanner.model, projection, &planes, |met| {
-                if !met.what.is_endless() {
-                    draw::draw(frame, registers, &scanner.roughs, &met, Meeting::Middle);
-                }
-            });
-            depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);
-        });
+    fn fill(&mut self, scanner: &Scanner, large: &Large, watch: &dyn Watch) {
+        let size = [self.width, self.height];
+        draw_layer(&mut self.middles, size, &self.projection, Meeting::Middle, (scanner, large), watch);
+        draw_layer(&mut self.ends, size, &self.projection, Meeting::End, (scanner, large), watch);
     }
 
     /// How much of its sun's light comes to a point of a surface.
-    fn light(&self, point: DVec3, normal: DVec3) -> f64 {
+    fn light(&self, point: DVec3, normal: DVec3, layer: Layer) -> f64 {
         let Some(place) = self.projection.place(point) else { return 1.0 };
         let nearest = place.at.floor();
         let slope = self.slope(normal);
+        let certain = (STEEPEST * self.projection.pixel / slope.length()).min(1.0);
         let mut lit = 0;
         for down in -1..=1 {
             for across in -1..=1 {
                 let texel = nearest + DVec2::new(f64::from(across), f64::from(down));
                 // Where the plane of the surface is in the middle of the texel.
-                let plane = place.depth + slope.dot(texel + 0.5 - place.at);
-                let is_hidden = self.depth(texel) < plane - BIAS * self.projection.pixel;
+                let rise = slope.dot(texel + 0.5 - place.at);
+                // A steep surface need not go on so far: it is not hidden by what is behind any of what it may be.
+                let plane = place.depth + rise.min(rise * certain);
+                let is_hidden = self.depth(texel, layer) < plane - BIAS * self.projection.pixel;
                 lit += u32::from(!is_hidden);
             }
         }
@@ -215,25 +209,60 @@ impl Map {
         if facing <= 0.0 || !steep.is_finite() {
             return DVec2::ZERO;
         }
-        slope * (pixel * (STEEPEST / steep).min(1.0))
+        slope * pixel
     }
 
     /// What is in a texel; infinite outside of the map.
-    fn depth(&self, texel: DVec2) -> f64 {
+    fn depth(&self, texel: DVec2, layer: Layer) -> f64 {
         let is_inside =
             texel.cmpge(DVec2::ZERO).all() && texel.x < f64::from(self.width) && texel.y < f64::from(self.height);
         if !is_inside {
             return f64::INFINITY;
         }
         let (x, y) = (texel.x as u32, texel.y as u32);
-        f64::from(self.depths[y as usize * self.width as usize + x as usize])
+        let depths = match layer {
+            Layer::Middles => &self.middles,
+            Layer::Ends => &self.ends,
+        };
+        let depth = depths.get(y as usize * self.width as usize + x as usize);
+        f64::from(depth.copied().unwrap_or(f32::INFINITY))
     }
 }
 
-/// The least and the greatest coordinates of all that ends, along three axes; none if that is nothing.
-fn extent(model: &Model, axes: &DMat3) -> Option<(DVec3, DVec3)> {
+/// Draws where light meets things so, row by row; nothing if the layer is empty.
+fn draw_layer(
+    depths: &mut [f32],
+    [width, height]: [u32; 2],
+    projection: &Projection,
+    meeting: Meeting,
+    (scanner, large): (&Scanner, &Large),
+    watch: &dyn Watch,
+) {
+    let room = || (Frame::new(*projection), Tour::default(), Registers::default());
+    let bands = depths.par_chunks_mut((ROWS * width) as usize).enumerate();
+    bands.for_each_init(room, |(frame, tour, registers), (band, depths)| {
+        if watch.interrupted() {
+            return;
+        }
+        let y = band as u32 * ROWS;
+        frame.clear(Rect { x: 0, y, width, height: ROWS.min(height - y) }, &[DVec2::ZERO]);
+        let planes = frame.planes();
+        tour.go(&scanner.model, projection, &planes, |met| {
+            if !large.has(&met) {
+                draw::draw(frame, registers, &scanner.materials, &met, meeting);
+            }
+        });
+        depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);
+    });
+}
+
+/// The least and the greatest coordinates of all that is not large, along three axes; none if that is nothing.
+fn extent(model: &Model, large: &Large, axes: &DMat3) -> Option<(DVec3, DVec3)> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     Tour::default().all(model, |met| {
+        if large.has(&met) {
+            return;
+        }
         let DAffine3 { matrix3, translation } = met.world_from_own;
         let reach = |axis: DVec3| translation.dot(axis) + met.what.support(matrix3.transpose() * axis);
         let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];

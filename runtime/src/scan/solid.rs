@@ -1,6 +1,7 @@
 //! Drawing primitives exactly: the rays through the samples of their outline meet them as those of the ray tracer do.
 //!
-//! So outline, depth and normals are those of the traced picture, and what is round is round. Convex primitives are met by eight rays at
+//! So outline, depth and normals are those of the traced picture, and what is round is round. Segments with a relief are walked into by the
+//! same steps. Convex primitives are met by eight rays at
 //! once, side by side in a row; what a ray meets does not depend on those beside it.
 
 use glam::{DAffine3, DVec2};
@@ -9,7 +10,7 @@ use pulp::f64x8;
 use super::frame::{Frame, Grid};
 use super::outline::Outline;
 use super::projection::Fan;
-use crate::geometry::{Chord, Convex, Crossing, FACE, Lines, Pieces, Pierced, Primitive, Ray};
+use crate::geometry::{Chord, Convex, Crossing, FACE, Lines, Pieces, Pierced, Primitive, Ray, Relief};
 use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
 
 /// Where a ray meets a solid, for who draws it.
@@ -19,14 +20,23 @@ pub(crate) enum Meeting {
     First,
     /// In the middle of the first stretch inside.
     Middle,
+    /// At the end of that.
+    End,
 }
 
-/// Draws a primitive where it is met so, as the piece of the next number; says whether any of it is seen.
-pub(crate) fn draw(frame: &mut Frame, primitive: &Primitive, world_from_own: &DAffine3, meeting: Meeting) -> bool {
+/// Draws a primitive, or its relief, where it is met so, as the piece of the next number; says whether any of it is seen.
+pub(crate) fn draw(
+    frame: &mut Frame,
+    (primitive, relief): (&Primitive, Option<Relief<'_>>),
+    world_from_own: &DAffine3,
+    meeting: Meeting,
+) -> bool {
     let outline = Outline::new(&primitive.bounds(), world_from_own, frame.projection());
     let own_from_world = world_from_own.inverse();
-    let alone = Alone { primitive, fan: frame.projection().fan(&own_from_world), meeting };
-    if let Some((convex, stretch)) = primitive.convex() {
+    let alone = Alone { primitive, relief, fan: frame.projection().fan(&own_from_world), meeting };
+    if relief.is_none()
+        && let Some((convex, stretch)) = primitive.convex()
+    {
         let fan = frame.projection().fan(&(DAffine3::from_scale(stretch) * own_from_world));
         if fan.is_in_range() {
             return dispatch(Together { frame, outline: &outline, convex, fan, alone });
@@ -44,13 +54,18 @@ pub(crate) fn draw(frame: &mut Frame, primitive: &Primitive, world_from_own: &DA
 #[derive(Clone, Copy)]
 struct Alone<'p> {
     primitive: &'p Primitive,
+    relief: Option<Relief<'p>>,
     fan: Fan,
     meeting: Meeting,
 }
 
 impl Alone<'_> {
     fn draw(&self, grid: &mut Grid<'_>, column: usize, row: usize, piece: u32) -> bool {
-        let met = self.meeting.with(self.primitive, &self.fan.ray(grid.at(column, row)));
+        let ray = self.fan.ray(grid.at(column, row));
+        let met = match &self.relief {
+            Some(relief) => self.meeting.with_relief(relief, self.primitive, &ray, grid.depth(column, row)),
+            None => self.meeting.with(self.primitive, &ray),
+        };
         met.is_some_and(|it| grid.put(column, row, it.t, piece, u32::from(it.face)))
     }
 }
@@ -136,7 +151,24 @@ impl Meeting {
                 let ends = chords.iter().flat_map(|it| [it.near, it.far]);
                 ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
             }
-            Self::Middle => self.of_chord(chords.first()?),
+            Self::Middle | Self::End => self.of_chord(chords.first()?),
+        }
+    }
+
+    /// Where a ray meets the relief of a primitive, if that may be before this depth.
+    fn with_relief(self, relief: &Relief<'_>, primitive: &Primitive, ray: &Ray, depth: f64) -> Option<Crossing> {
+        let smooth = primitive.chords(ray, None);
+        let near = smooth.first()?.near.t;
+        if near >= depth {
+            return None;
+        }
+        if self == Self::First && near > 0.0 {
+            return relief.entry(ray, None);
+        }
+        let chords = relief.chords(ray, None);
+        match self {
+            Self::First => chords.iter().find_map(|it| self.of_chord(it)),
+            Self::Middle | Self::End => self.of_chord(chords.first()?),
         }
     }
 
@@ -145,6 +177,7 @@ impl Meeting {
         match self {
             Self::First => [chord.near, chord.far].into_iter().find(|it| it.t > 0.0 && it.t.is_finite()),
             Self::Middle => Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face }),
+            Self::End => Some(chord.far),
         }
     }
 
@@ -158,6 +191,7 @@ impl Meeting {
         let (t, faces) = match self {
             Self::First => (comes_in.select(near, far), comes_in.select_bits(pieces.near.face, pieces.far.face)),
             Self::Middle => ((near + far) * Wide::splat(lanes, 0.5), pieces.near.face),
+            Self::End => (far, pieces.far.face),
         };
         let met = kernel.bits((pieces.met & t.gt(zero) & t.lt(infinity)).value);
         let faces: [u64; EIGHT] = pulp::cast(faces);

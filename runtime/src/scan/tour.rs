@@ -10,7 +10,7 @@ use super::tree::Below;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Aabb, Primitive};
 use crate::mesh::Surface;
-use crate::trace::Route;
+use crate::trace::{Bark, Route};
 
 /// Something that can be drawn, where it is in the world.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +23,8 @@ pub(crate) struct Met<'m> {
 /// What can be drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum What<'m> {
-    /// A primitive, by its equation.
-    Primitive(&'m Primitive),
+    /// A primitive, by its equation, with its bark if it is a segment of a stem.
+    Primitive(&'m Primitive, Option<&'m Bark>),
     /// Triangles of a surface, by their numbers.
     Surface(&'m Arc<Surface>, Run),
 }
@@ -91,24 +91,19 @@ impl Tour {
         planes: &[Plane; 5],
         mut each: impl FnMut(Met<'m>),
     ) {
-        self.travel(model, Site::whole(model, *planes, projection.forward), true, &mut each);
+        self.travel(model, Site::whole(model, *planes, projection.forward), &mut each);
     }
 
     /// Goes to every primitive.
     pub(crate) fn all<'m>(&mut self, model: &'m Model, mut each: impl FnMut(Met<'m>)) {
-        self.travel(model, Site::whole(model, EVERYWHERE, DVec3::ZERO), true, &mut each);
+        self.travel(model, Site::whole(model, EVERYWHERE, DVec3::ZERO), &mut each);
     }
 
-    /// Goes to every primitive that has no end.
-    pub(crate) fn endless<'m>(&mut self, model: &'m Model, mut each: impl FnMut(Met<'m>)) {
-        self.travel(model, Site::whole(model, EVERYWHERE, DVec3::ZERO), false, &mut each);
-    }
-
-    /// Goes to every primitive that may be seen; without `ending` only to those without an end.
-    fn travel<'m>(&mut self, model: &'m Model, whole: Site, ending: bool, each: &mut impl FnMut(Met<'m>)) {
+    /// Goes to every primitive that may be seen.
+    fn travel<'m>(&mut self, model: &'m Model, whole: Site, each: &mut impl FnMut(Met<'m>)) {
         self.ahead.clear();
         self.sites.clear();
-        self.open(model, whole, ending);
+        self.open(model, whole);
         while let Some(Ahead { site: number, what }) = self.ahead.pop() {
             // What is ahead is in this site or in one before it.
             self.sites.truncate(number as usize + 1);
@@ -123,26 +118,26 @@ impl Tour {
             };
             let thing = &component.things[thing as usize];
             match &thing.holds {
-                Holds::Primitive(primitive, origin) => each(site.met(thing, What::Primitive(primitive), *origin)),
+                Holds::Primitive(primitive, bark, origin) => {
+                    each(site.met(thing, What::Primitive(primitive, bark.as_deref()), *origin));
+                }
                 Holds::Surface(surface, run, origin) => each(site.met(thing, What::Surface(surface, *run), *origin)),
                 Holds::Component(inner) => {
                     let site = site.inner(thing, *inner);
-                    self.open(model, site, ending);
+                    self.open(model, site);
                 }
             }
         }
     }
 
     /// Opens a component.
-    fn open(&mut self, model: &Model, site: Site, ending: bool) {
+    fn open(&mut self, model: &Model, site: Site) {
         let component = model.component(site.component);
         let number = self.sites.len() as u32;
         self.sites.push(site);
         let endless = component.tree.items()..component.things.len();
         self.ahead.extend(endless.map(|it| Ahead { site: number, what: Next::Thing(it as u32) }));
-        if ending {
-            self.ahead.push(Ahead { site: number, what: Next::Node(0) });
-        }
+        self.ahead.push(Ahead { site: number, what: Next::Node(0) });
     }
 
     /// Looks into a node.

@@ -106,7 +106,7 @@ pub struct Bark {
 
 impl Bark {
     /// Its relief on this rind.
-    pub(super) fn relief(&self) -> Option<Relief<'_>> {
+    pub(crate) fn relief(&self) -> Option<Relief<'_>> {
         self.hide.as_deref().map(|it| Relief::new(&self.rind, it))
     }
 }

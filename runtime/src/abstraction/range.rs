@@ -176,10 +176,11 @@ impl Range {
         match other.exact() {
             Some(0.0) => Some(Self::at(1.0)),
             Some(exponent) if exponent > 0.0 && exponent.fract() == 0.0 && exponent <= LARGEST_WHOLE => {
-                let ends = self.corners(other, libm::pow)?;
-                // Even powers turn at 0, odd ones only rise.
-                let turns = exponent % 2.0 == 0.0 && self.high > 0.0;
-                if turns { Self::new(0.0, ends.high) } else { Some(ends) }
+                // Even powers turn at 0, odd ones only rise. At 0 they are finite, however far both ends go beyond the numbers.
+                if exponent % 2.0 == 0.0 && self.contains(0.0) {
+                    return Self::made(0.0, above(libm::pow(self.magnitude(), exponent)), &[self]);
+                }
+                self.corners(other, libm::pow)
             }
             // Of finite numbers below 0 there is none; where 0 is left it is the least.
             Some(exponent) if exponent > 0.0 && exponent.fract() != 0.0 && self.low.is_finite() => {

@@ -241,6 +241,18 @@ fn known_numbers_are_computed_with_as_ever() {
 }
 
 #[test]
+fn an_even_power_whose_ends_overflow_is_known_about_zero() {
+    let number = |it| Abstract::Exact(Value::Number(it));
+    for (low, high) in [(-8.6, 8.1), (-8.6, 0.0), (0.0, 8.1), (-1e300, f64::INFINITY)] {
+        let known = operation::binary(BinaryOp::Power, &Abstract::number(Range::between(low, high)), &number(360.0));
+        let known = known.and_then(|it| it.as_range()).expect("a range");
+        assert!(known.low() == 0.0 && known.contains(1.0) && known.contains(1e300), "{low} {high}: {known:?}");
+    }
+    let away = Abstract::number(Range::between(-8.6, -8.1));
+    assert_eq!(operation::binary(BinaryOp::Power, &away, &number(360.0)), None);
+}
+
+#[test]
 fn ranges_are_as_tight_as_their_ends() {
     let range = |low, high| Abstract::number(Range::between(low, high));
     let near = |found: Option<Abstract>, low: f64, high: f64| {

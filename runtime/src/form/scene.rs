@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::{Graph, Origin, Space, Texture, TextureId};
 use crate::geometry::Hide;
+use crate::texture::Field;
 
 /// Names a material of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -51,10 +52,12 @@ impl Scene {
         material.relief.is_some() || material.textures().filter_map(texture).any(|it| it.space == Space::Stem)
     }
 
-    /// The relief of a material, if it has one that is not flat.
-    pub(crate) fn hide(&self, material: &Material) -> Option<Arc<Hide>> {
-        let texture = self.textures.get(material.relief?.0 as usize)?;
-        Hide::new(texture, self.seed, material.depth).map(Arc::new)
+    /// By number of the material: its relief, if it has one that is not flat.
+    pub(crate) fn hides(&self) -> Box<[Option<Arc<Hide>>]> {
+        // Materials with one texture share it, and what it keeps in memory.
+        let fields: Vec<Field> = self.textures.iter().map(|it| Field::new(it, self.seed)).collect();
+        let hide = |it: &Material| Hide::new(fields.get(it.relief?.0 as usize)?.clone(), it.depth);
+        self.materials.iter().map(|it| hide(it).map(Arc::new)).collect()
     }
 }
 

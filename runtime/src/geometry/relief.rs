@@ -16,7 +16,6 @@ use super::primitive::Primitive;
 use super::ray::Ray;
 use super::rind::Rind;
 use super::segment::CutCone;
-use crate::form::Texture;
 use crate::texture::{Field, Laid};
 
 /// The relief of a material, on whatever stem.
@@ -48,8 +47,7 @@ const CORE: f64 = 1.0 - 1e-7;
 
 impl Hide {
     /// That of a texture which rises by so much; none if it is flat.
-    pub fn new(texture: &Texture, program_seed: u64, depth: f64) -> Option<Self> {
-        let field = Field::new(texture, program_seed);
+    pub fn new(field: Field, depth: f64) -> Option<Self> {
         let step = field.finest() / 2.0;
         (depth > 0.0 && depth.is_finite()).then_some(Self { field, depth, step })
     }

@@ -74,6 +74,11 @@ impl LazyCube {
         of_texel(cube.texel(cube.levels.len(), [0; 3]))
     }
 
+    /// The brightness at a point alone, at its finest.
+    pub(super) fn value_at(&self, point: DVec3) -> f64 {
+        brightness(self.cube().between_cells(0, point))
+    }
+
     /// The brightness at a point, and how it grows.
     pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
         let cube = self.cube();

@@ -114,7 +114,7 @@ impl Field {
             Waves::Fourier(it) => it.at(point, &Footprint::POINT).value,
             Waves::Fbm(it) => it.value_at(point),
             Waves::Image(it) => it.height_at(laid, point),
-            Waves::Chunks(it) => it.at(point, &Footprint::POINT).value,
+            Waves::Chunks(it) => it.value_at(point),
         };
         // What is no number is deep.
         if height > 0.0 { height.min(1.0) } else { 0.0 }

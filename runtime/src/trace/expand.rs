@@ -163,7 +163,7 @@ impl<'s> Expander<'s> {
             seed: scene.seed,
             in_place: materials.clone().map(|it| scene.is_painted_in_place(MaterialId(it))).collect(),
             on_stems: materials.map(|it| scene.is_painted_on_stems(MaterialId(it))).collect(),
-            hides: scene.materials.iter().map(|it| scene.hide(it)).collect(),
+            hides: scene.hides(),
             liveness: Liveness::of(graph),
             fixed: graph.nodes().iter().map(fixed).collect(),
         }

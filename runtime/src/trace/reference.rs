@@ -27,7 +27,7 @@ use crate::texture::Roughs;
 pub struct Reference<'s> {
     scene: &'s Scene,
     /// The reliefs of its materials.
-    hides: Vec<Option<Arc<Hide>>>,
+    hides: Box<[Option<Arc<Hide>>]>,
     /// How the surfaces of its materials are carved.
     roughs: Roughs,
     limits: Limits,
@@ -36,8 +36,7 @@ pub struct Reference<'s> {
 impl<'s> Reference<'s> {
     /// A walker through a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        let hides = scene.materials.iter().map(|it| scene.hide(it)).collect();
-        Self { scene, hides, roughs: Roughs::new(&scene.materials, scene.seed), limits: *limits }
+        Self { scene, hides: scene.hides(), roughs: Roughs::new(&scene.materials, scene.seed), limits: *limits }
     }
 
     /// Everything on a line: t from -inf to inf.

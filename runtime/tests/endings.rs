@@ -197,7 +197,7 @@ fn the_solid_that_a_program_gives_stands_where_recursion_ends() {
     for x in [-0.5, 0.5] {
         for y in [-0.5, 0.5] {
             let call = b.call(0, common::slot_and(Slot(0), BinaryOp::Subtract, 1.0));
-            let small = b.transform(TransformKind::UScale, &[0.45], call);
+            let small = b.transform(TransformKind::UScale, &[0.49], call);
             corners.push(b.transform(TransformKind::Move, &[x, y, 0.0], small));
         }
     }
@@ -231,17 +231,17 @@ fn the_solid_that_a_program_gives_stands_where_recursion_ends() {
     assert!(by(Culling::State) == all && by(Culling::Hyper) == all);
 }
 
-/// A square of 4^12 cubes side by side.
+/// A square of 4^24 cubes with gaps between them, as good as flat.
 fn carpet() -> Scene {
     let mut b = Builder::default();
     let stop = b.primitive(PrimitiveKind::Box, &[]);
     let call = b.call(0, common::slot_and(Slot(0), BinaryOp::Subtract, 1.0));
-    let small = b.transform(TransformKind::UScale, &[0.5], call);
+    let small = b.transform(TransformKind::UScale, &[0.49], call);
     let parts = [[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]]
         .map(|[x, y]| b.transform(TransformKind::Move, &[x, y, 0.0], small));
     let go = b.union(&parts);
     b.module(stop, go);
-    let start = b.call(0, common::numbers(&[12.0]));
+    let start = b.call(0, common::numbers(&[24.0]));
     b.scene(start)
 }
 
@@ -251,15 +251,15 @@ fn no_beam_meets_what_it_starts_on_however_wide_it_is() {
     // go there again.
     let scene = carpet();
     let tracer = tracer(&scene, &Limits::default(), Culling::State);
-    let towards = DVec3::new(0.0, 0.0, -1.0);
+    let (towards, away) = (DVec3::NEG_Z, DVec3::new(0.31, 0.22, 0.93).normalize());
     for width in [0.3, 0.11, 0.04, 0.015, 0.006] {
         let (beams, _) = square(towards, 24, 0.98, width);
         let seen = look(&tracer, &beams);
         let starts = || seen.iter().flatten();
-        assert!(starts().count() >= beams.len(), "{width}");
+        assert!(starts().count() > 100, "{width}");
         for factor in [0.95, 1.0, 1.05, 1.7, 3.0] {
             let beam = |it: &Fragment| Beam {
-                ray: Ray { origin: it.position, direction: -towards },
+                ray: Ray { origin: it.position, direction: away },
                 width: width * factor,
                 spread: 0.0,
             };

@@ -590,7 +590,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             looks => looks,
         };
         for (ray, inner) in rays {
-            if frame.starting >> ray & 1 == 1 && frame.from[*ray] == instance.part {
+            if frame.starting >> ray & 1 == 1 && instance.starts_in(frame.from[*ray]).is_some() {
                 continue;
             }
             let outer = frame.rays.local[ray / EIGHT].ray(ray % EIGHT);

@@ -342,7 +342,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let cell = match ending(self.tracing, self.generation, instance.state, part.origin, ask)? {
             Ended::Solid(cell) => cell,
             looks => {
-                if passage.from != instance.part
+                if instance.starts_in(passage.from).is_none()
                     && let Some(veil) = look_at(ask.ray, instance, passage.trail, (&passage.ray, ray), &looks)
                 {
                     ask.veil(veil);

@@ -31,7 +31,7 @@ pub(crate) fn balance<'a>(
         forgiven: Counts::default(),
         surplus: Surplus::Unclear,
         indent: 0,
-        pending: false,
+        pending: 0,
         separator: None,
         item: 0,
         kind: None,
@@ -145,8 +145,8 @@ struct Repair<'a, 'f> {
     surplus: Surplus,
     /// The column where the line at hand begins.
     indent: u32,
-    /// Whether the next `{` opens a body.
-    pending: bool,
+    /// How many `repeat`s and `if`s wait for the `{` of their body.
+    pending: usize,
     /// Where in the output the last `;` stands.
     separator: Option<usize>,
     /// Where the item begins, and its first word.
@@ -221,7 +221,11 @@ impl<'a> Repair<'a, '_> {
         let Some(closer) = it.token.closer() else {
             return;
         };
-        let is_body = it.token == Token::OpenCurly && std::mem::take(&mut self.pending);
+        let follows_else = self.out.last().is_some_and(|it| it.token == Token::Else);
+        let is_body = it.token == Token::OpenCurly && (self.pending > 0 || follows_else);
+        if is_body && !follows_else {
+            self.pending -= 1;
+        }
         let place = Span::new(self.file, it.start, it.end);
         let (at, indent) = (self.out.len(), self.indent);
         self.open.push(Open { place, closer, at, indent, holds_members, is_body });
@@ -284,7 +288,7 @@ impl<'a> Repair<'a, '_> {
         if self.open.last().is_none_or(|open| open.holds_members) {
             self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
         }
-        self.separator = Some(self.out.len());
+        (self.separator, self.pending) = (Some(self.out.len()), 0);
         self.push(it);
     }
 
@@ -305,8 +309,10 @@ impl<'a> Repair<'a, '_> {
             self.member = Some(it.token);
         }
         match it.token {
-            Token::Repeat | Token::If | Token::Else => self.pending = true,
-            Token::Replace | Token::Append => self.pending = false,
+            Token::Repeat | Token::If => self.pending += 1,
+            // That `if` is one between values.
+            Token::Then => self.pending = self.pending.saturating_sub(1),
+            Token::Replace | Token::Append => self.pending = 0,
             _ => {}
         }
         self.push(it);
@@ -340,7 +346,7 @@ impl<'a> Repair<'a, '_> {
         }
         self.close_down_to(0);
         self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
-        (self.pending, self.separator, self.just_dropped) = (false, None, false);
+        (self.pending, self.separator, self.just_dropped) = (0, None, false);
     }
 
     fn pop(&mut self) -> Option<Open<'a>> {

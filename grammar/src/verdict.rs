@@ -67,6 +67,12 @@ impl<'t, 'a> Verdict<'t, 'a> {
         errors
     }
 
+    /// Whether a mistake of the parser is one sign for another, and what is around it is understood.
+    pub(crate) fn is_sign(&self, mistake: &Mistake<'a>) -> bool {
+        use SyntaxErrorKind::{ChainedComparison, SingleEquals};
+        self.tells_mistake(mistake) && matches!(self.error(mistake).kind, SingleEquals | ChainedComparison)
+    }
+
     fn tells_finding(&self, finding: &Finding) -> bool {
         let place = finding.error.span.start;
         let put_in = matches!(finding.error.kind, SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma);

@@ -123,7 +123,8 @@ impl Resolver<'_> {
         let params: Vec<String> = slots.iter().map(|it| self.program.slot_name(system, *it).to_owned()).collect();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];
-        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 0 };
+        let def = Some(self.program.modules[module.index()].def);
+        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 0, def };
         match self.arguments(scope, callee, args.unwrap_or(&[])) {
             Some(args) => SolidKind::Module { module, args: args.into_iter().flatten().collect(), place },
             None => SolidKind::Error,
@@ -150,7 +151,8 @@ impl Resolver<'_> {
         let mut required: Vec<bool> = formals.iter().map(|it| it.1).collect();
         params.push("seed");
         required.push(false);
-        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 1 };
+        let def = Some(self.program.systems[system.index()].def);
+        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 1, def };
         let Some(mut given) = self.arguments(scope, callee, args) else { return SolidKind::Error };
         let seed = given.pop().flatten();
         let args = given.into_iter().enumerate().filter_map(|it| Some((it.0, it.1?))).collect();

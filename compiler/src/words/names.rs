@@ -3,13 +3,21 @@
 use treegen_grammar::Span;
 
 use super::a;
-use crate::problem::{Problem, Safety};
+use crate::problem::{Edit, Label, Problem, Safety, Suggestion};
 
 /// A name that nobody knows. `what` says what would fit: "value", "solid or transformation".
 pub(crate) fn unknown(name: &str, span: Span, what: &str, near: Option<&str>) -> Problem {
     let problem =
         Problem::error("E0301", format!("there is no {what} named `{name}`"), span, "not defined anywhere here");
     similar(problem, span, near)
+}
+
+/// Adds to an unknown name what was defined and is not used.
+pub(crate) fn unused_instead(problem: &mut Problem, what: &str, name: &str, defined: Span, span: Span) {
+    problem.labels.push(Label { span: defined, text: format!("this {what} is never used") });
+    let edits = vec![Edit { span, text: name.to_owned() }];
+    let text = format!("was `{name}` meant?");
+    problem.suggestions.push(Suggestion { text, edits, safety: Safety::Unsafe });
 }
 
 /// A name that is no item of a used file.
@@ -55,6 +63,14 @@ pub(crate) fn hides(name: &str, span: Span, what: &str, other: Span) -> Problem 
     Problem::error("E0306", message, span, "takes the same name").and(other, format!("the {what}"))
 }
 
+/// Where a name is defined: `built_in` says what it is where no program defines it.
+pub(crate) fn defined(name: &str, what: &str, built_in: Option<&str>) -> String {
+    match built_in {
+        Some(other) => format!("here `{name}` is this {what}, not the built-in {other}"),
+        None => format!("the {what}"),
+    }
+}
+
 /// Something that exists but is no value.
 pub(crate) fn not_a_value(name: &str, what: &str, span: Span, defined: Option<Span>) -> Problem {
     let label = if what == "function" { "needs its arguments in parentheses" } else { "a value is needed here" };
@@ -81,7 +97,7 @@ fn with_definition(problem: Problem, what: &str, defined: Option<Span>) -> Probl
 /// A value called like a function.
 pub(crate) fn not_a_function(name: &str, what: &str, span: Span) -> Problem {
     let message = format!("`{name}` is {}, not a function", a(what));
-    Problem::error("E0307", message, span, "only functions have arguments")
+    Problem::error("E0307", message, span, "only functions have arguments here")
 }
 
 /// A parenthesis after something that is no name.

@@ -37,7 +37,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
     }
     let mut lexed = lex(file, text);
     let mut findings = Vec::new();
-    let balanced = balance(file, text.len() as u32, &lexed.tokens, &mut findings);
+    let balanced = balance(file, &lexed.tokens, &mut findings);
     let statements = mark(file, balanced.as_ref().unwrap_or(&lexed.tokens), &mut findings);
 
     let progress = Progress::default();

@@ -49,8 +49,8 @@ fn root(program: &Program, problems: &mut Vec<Problem>) -> Option<DefId> {
     // Text that could not be read may have held the scene.
     let Some(last) = program.last_system else {
         if !program.is_partial {
-            let start = Span::new(FileId::MAIN, 0, 0);
-            problems.push(words::records::nothing_to_show(start, "neither a scene nor a system in this file"));
+            let place = Span::new(FileId::MAIN, program.end, program.end);
+            problems.push(words::records::nothing_to_show(place, "neither a scene nor a system in this file"));
         }
         return None;
     };

@@ -142,7 +142,9 @@ impl Resolver<'_> {
         let place = scope.next_call();
         let Some(args) = args else {
             let needs_arguments = self.formals_of(system).iter().any(|it| it.1);
-            self.report(scope, words::arguments::needs_parentheses(&name.text, span, needs_arguments));
+            let problem = words::arguments::needs_parentheses(&name.text, span, needs_arguments);
+            let def = self.program.systems[system.index()].def;
+            self.report(scope, self.and_definition(problem, &name.text, def));
             return SolidKind::Error;
         };
         // The names come from the tree's declaration; defaults may not be resolved yet.

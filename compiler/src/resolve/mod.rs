@@ -49,14 +49,15 @@ pub(crate) struct Input<'a> {
 /// Resolves all names of a program.
 pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program {
     let units = input.units;
-    let is_partial = units.first().is_some_and(|it| !it.unread.pieces.is_empty());
+    let is_partial = units.first().is_some_and(|it| it.unread.ends_early || !it.unread.pieces.is_empty());
+    let end = units.first().and_then(|it| it.tree.items.last()).map_or(0, |it| it.span.end);
     let mut resolver = Resolver {
         units,
         sources: input.sources,
         overrides: input.overrides,
         problems,
         time: input.time,
-        program: Program { is_partial, ..Program::default() },
+        program: Program { is_partial, end, ..Program::default() },
         files: Vec::new(),
         systems: Vec::new(),
         labels: Vec::new(),

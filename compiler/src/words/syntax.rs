@@ -52,8 +52,9 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
         }
         SyntaxErrorKind::BadNumber(kind) => bad_number(*kind, span),
         SyntaxErrorKind::UnclosedBracket { open, close } => {
-            Problem::error("E0107", format!("a `{close}` is missing"), span, format!("`{close}` expected before this"))
+            Problem::error("E0107", format!("a `{close}` is missing"), span, format!("`{close}` expected here"))
                 .and(*open, "to close this")
+                .suggest(format!("add `{close}`"), Safety::Unsafe, span, close.to_string())
         }
         SyntaxErrorKind::UnopenedBracket { close } => {
             Problem::error("E0108", format!("this `{close}` closes nothing"), span, "no opening bracket before it")

@@ -215,7 +215,9 @@ fn whatever_is_changed_there_is_a_picture_or_a_message_near_the_change() {
             }
         }
     }
-    println!("{refused} refused, {near} of them near, {nearest} by their first place; {drawn} drawn, {failed} failed while they were");
+    println!(
+        "{refused} refused, {near} of them near, {nearest} by their first place; {drawn} drawn, {failed} failed while they were"
+    );
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(refused > count() && drawn > count(), "the changes change too much or too little");
     assert!(near * 100 >= refused * 99, "{near} of {refused} are near");

@@ -12,11 +12,7 @@ use crate::token::Token;
 use crate::{FileId, MAX_ERRORS, MAX_NESTING, Span};
 
 /// Balances the tokens of a text. `None` when they are.
-pub(crate) fn balance<'a>(
-    file: FileId,
-    tokens: &[Placed<'a>],
-    findings: &mut Vec<Finding>,
-) -> Option<Vec<Placed<'a>>> {
+pub(crate) fn balance<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Option<Vec<Placed<'a>>> {
     let segments = segments(tokens);
     if segments.iter().all(|it| Surplus::of(it).is_none()) {
         return None;

@@ -81,10 +81,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
         // A bracket that is missing after a statement is not within it.
         let after = place + u32::from(matches!(finding.error.kind, SyntaxErrorKind::UnclosedBracket { .. }));
         let (from, until) = finding.confuses.unwrap_or((after, after));
-        !self.confused.hold(from)
-            && !self.unreadable.hold(until)
-            && (helps || !put_in)
-            && !self.is_swallowed(finding)
+        !self.confused.hold(from) && !self.unreadable.hold(until) && (helps || !put_in) && !self.is_swallowed(finding)
     }
 
     /// Whether what is missing may stand in a comment that has no end.

@@ -56,6 +56,8 @@ pub(super) struct Infer<'a> {
     lists_too_deep: bool,
     /// Where a problem was reported: each place has one.
     reported: HashSet<Span>,
+    /// The angles that were warned of.
+    pub(super) hinted: HashSet<Span>,
     /// The definition that is looked at, and those in which problems were found.
     pub(super) def: DefId,
     pub(super) broken: Vec<DefId>,
@@ -85,6 +87,7 @@ impl<'a> Infer<'a> {
             problems: Vec::new(),
             lists_too_deep: false,
             reported: HashSet::new(),
+            hinted: HashSet::new(),
             def: DefId(0),
             broken: Vec::new(),
         }
@@ -382,6 +385,9 @@ impl<'a> Infer<'a> {
     fn builtin(&mut self, site: Site<'_>, function: Builtin, args: &[Expr]) -> Type {
         let name = builtin::FUNCTIONS.iter().find(|it| it.1 == function).map_or("", |it| it.0);
         let kinds: Vec<Type> = args.iter().map(|it| self.expr(site, it)).collect();
+        if let (Builtin::Sin | Builtin::Cos | Builtin::Tan, [angle]) = (function, args) {
+            self.angle(site, name, angle);
+        }
         let vector = |it: &Type| matches!(it, Type::Vector(_) | Type::Unknown);
         let (needed, result): (&str, Type) = match function {
             Builtin::Mix => return self.mix(name, args, &kinds),

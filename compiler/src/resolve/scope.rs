@@ -193,7 +193,10 @@ impl<'o> Resolver<'o> {
             return;
         }
         let is_nameless = self.names_seen(scope).any(|it| it.nameless.iter().any(|it| fits(*it)));
-        if is_nameless || self.may_be_unreadable(scope, name) || !self.unknown.insert((scope.file, scope.system, name.to_owned())) {
+        if is_nameless
+            || self.may_be_unreadable(scope, name)
+            || !self.unknown.insert((scope.file, scope.system, name.to_owned()))
+        {
             return;
         }
         let near = if self.unknown.len() <= MAX_SUGGESTIONS { self.similar(scope, name, fits, more) } else { None };

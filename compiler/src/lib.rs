@@ -139,6 +139,12 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     problems
 }
 
+/// Warnings about hulls that have nothing in them, whatever is drawn.
+pub fn empty_hulls(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
+    let hulls = compiled.scene.iter().flat_map(|it| treegen_runtime::empty_hulls(it, limits));
+    hulls.filter_map(words::fault::span).map(words::warnings::empty_hull).collect()
+}
+
 /// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.
 pub fn certain_faults(scene: &Scene, limits: &Limits, vocabulary: &Vocabulary) -> Vec<Problem> {
     treegen_runtime::certain_faults(scene, limits).iter().map(|it| words::fault::problem(it, vocabulary)).collect()

@@ -89,3 +89,9 @@ pub(crate) fn radians(taker: &str, span: Span, part: OfPi) -> Problem {
         _ => problem.and(part.place, "radians by this"),
     }
 }
+
+/// A hull that nothing lies in.
+pub(crate) fn empty_hull(span: Span) -> Problem {
+    Problem::warning("W0010", "this hull is empty", span, "nothing lies behind all of its planes")
+        .note("a plane keeps the side that its walk stands on")
+}

@@ -90,7 +90,9 @@ fn nothing_is_said_of_what_a_draw_decides() {
 
 /// A hull between four walls, with a floor and a ceiling of these walks.
 fn slab(floor_and_ceiling: &str) -> String {
-    format!("hull A {{ prune none; start {floor_and_ceiling} repeat 4 as i {{ [ rotz(90 * i) rotx(90) normal(1) ] }}; }}")
+    format!(
+        "hull A {{ prune none; start {floor_and_ceiling} repeat 4 as i {{ [ rotz(90 * i) rotx(90) normal(1) ] }}; }}"
+    )
 }
 
 #[test]

@@ -79,6 +79,11 @@ pub enum SyntaxErrorKind {
         /// The word.
         word: &'static str,
     },
+    /// A number behind the name of a solid or a transformation: `rotz 30`.
+    BareArgument {
+        /// The name.
+        name: String,
+    },
     /// A token that has no place here.
     Unexpected {
         /// The token as it is written; `None` at the end of the file.

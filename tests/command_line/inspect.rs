@@ -35,7 +35,8 @@ fn lines(out: &[u8]) -> Vec<Value> {
 
 #[test]
 fn a_hull_has_no_segments() {
-    let hull = "hull Crown { prune none; start repeat 4 as i { [ rotz(90 * i) rotx(60) normal(1) ] } rotx(180) normal(1); }";
+    let hull =
+        "hull Crown { prune none; start repeat 4 as i { [ rotz(90 * i) rotx(60) normal(1) ] } rotx(180) normal(1); }";
     let folder = Folder::with(&[("a.tg", hull)]);
     folder.run(&["inspect", "a.tg", "--form", "segments"]).ended(2).saying(&["`Crown` is a hull", "--derivation"]);
     folder.run(&["inspect", "a.tg", "--derivation"]).ended(0);

@@ -54,7 +54,10 @@ impl Resolver<'_> {
     fn declare_use(&mut self, file: FileId, path: &str, span: Span, alias: Option<&Name>, used: Option<FileId>) {
         let name = alias.cloned().or_else(|| Some(Name { text: stem(path)?, span }));
         let Some(name) = name else {
-            self.problems.push(words::files::needs_alias(path, span));
+            // Of one that is not there, that is all there is to say.
+            if used.is_some() {
+                self.problems.push(words::files::needs_alias(path, span));
+            }
             return;
         };
         let def = self.define(&name.text, name.span, DefKind::Use);

@@ -64,12 +64,14 @@ fn the_words_are_those_of_the_picture() {
         "csg A(deep = 3) { var k = [1, 2, 3]; start part(deep); part(n) -> move(0, 0, 2) uscale(k[n]) sphere; }",
         "csg B(size = 1 in 1..3) { start uscale(size) box; } csg A { start B() | move(9, 0, 0) B(size: 7); }",
         "shape A(thick = -.1) { start segment(1, .2, .1) segment(1, .1, thick); }",
-        "fn f(n) = f(n + 1); csg A(n = 1) { start uscale(f(n)) box; }",
+        "fn f(n) = n + f(n + 1); csg A(n = 1) { start uscale(f(n)) box; }",
         "hull A { prune none; start normal(1) rotx(90) normal(1); }",
     ] {
         let problems = certain(text);
         let [problem] = problems.as_slice() else { panic!("{text}: {problems:?}") };
-        assert_eq!(Some(problem), drawn(text).as_ref(), "{text}");
+        let met = drawn(text).unwrap();
+        // How much of the way there is told depends on who looks.
+        assert_eq!((problem.code, &problem.message, &problem.labels), (met.code, &met.message, &met.labels), "{text}");
     }
 }
 

@@ -62,6 +62,10 @@ pub(crate) struct Program {
     pub(crate) scene: Option<Scene>,
     /// The last system of the main file: it is shown when there is no scene.
     pub(crate) last_system: Option<SystemId>,
+    /// Whether a part of the main file could not be read, so that it may have more than is here.
+    pub(crate) is_partial: bool,
+    /// Where the last item of the main file ends, in bytes.
+    pub(crate) end: u32,
 }
 
 /// A definition, whatever its kind: its name, its place, and which definitions it uses.

@@ -60,8 +60,9 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
             Problem::error("E0108", format!("this `{close}` closes nothing"), span, "no opening bracket before it")
                 .suggest("take it out", Safety::Unsafe, span, "")
         }
-        SyntaxErrorKind::MissingSemicolon => missing(";", span),
-        SyntaxErrorKind::MissingComma => missing(",", span),
+        SyntaxErrorKind::MissingSemicolon => missing(";", Safety::Safe, span),
+        // An operator or a bracket may be what was left out.
+        SyntaxErrorKind::MissingComma => missing(",", Safety::Unsafe, span),
         SyntaxErrorKind::MissingArrow => {
             Problem::error("E0110", "a rule needs `->` and what becomes of its module", span, "no `->` here")
         }
@@ -153,10 +154,10 @@ fn bad_number(kind: NumberProblem, span: Span) -> Problem {
     }
 }
 
-fn missing(what: &'static str, span: Span) -> Problem {
+fn missing(what: &'static str, safety: Safety, span: Span) -> Problem {
     Problem::error("E0109", format!("a `{what}` is missing"), span, format!("`{what}` expected here")).suggest(
         format!("add `{what}`"),
-        Safety::Safe,
+        safety,
         Span { start: span.end, ..span },
         what,
     )

@@ -156,6 +156,11 @@ impl Plane {
         let plane = if (normal.length_squared() - 1.0).abs() < 1e-15 { Self { normal, offset } } else { plane };
         plane.offset.is_finite().then_some(plane)
     }
+
+    /// The t at which a line meets it.
+    pub(crate) fn met(&self, line: &Ray) -> f64 {
+        (self.offset - self.normal.dot(line.origin)) / self.normal.dot(line.direction)
+    }
 }
 
 impl Pierced for ConvexSet {

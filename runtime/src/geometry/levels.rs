@@ -5,17 +5,18 @@
 //! planes that they were split from slide out to where they touch the finer one. So the surface moves steadily from one level to the next.
 //!
 //! **Law.** What is seen where an error is allowed lies no further than that from the whole: a level is seen as it is where twice its error
-//! is allowed, and where its error itself is allowed no more than the next finer one is seen.
+//! is allowed, and where no more than its error itself is allowed the next finer one is seen.
 
 use glam::DVec3;
 
 use super::convex_set::{ConvexSet, Plane};
+use super::shown::Shown;
 
 /// Planes of a derivation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Family {
     // Invariant: the number of a parent is less than that of its children.
-    pub(crate) planes: Vec<(Plane, Option<u32>)>,
+    planes: Vec<(Plane, Option<u32>)>,
     /// The numbers of those that were not split.
     pub(crate) last: Vec<u32>,
 }
@@ -24,8 +25,8 @@ pub(crate) struct Family {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Level {
     pub(crate) set: ConvexSet,
-    /// How far it, and all that is seen on the way to the next finer one, lies from the whole at most.
-    error: f64,
+    /// How wide a beam is at least that sees it on the way to the next finer one; one of twice that width sees it as it is.
+    width: f64,
     /// What is seen on that way.
     slides: Vec<Slide>,
     /// The corners of what all of that lies in.
@@ -54,14 +55,6 @@ impl Detail {
     pub(crate) const WHOLE: Self = Self { level: usize::MAX, part: 0.0 };
 }
 
-/// The planes of a [`Detail`]: one of the two is empty.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shown<'s> {
-    pub(crate) planes: &'s [Plane],
-    pub(crate) slides: &'s [Slide],
-    pub(crate) part: f64,
-}
-
 /// Sets of more planes have no levels: to find how far those lie from the whole, all corners are compared with all planes.
 const MOST: usize = 4096;
 
@@ -72,44 +65,32 @@ impl Slide {
     }
 }
 
-impl Shown<'_> {
-    /// How many planes there are.
-    pub(crate) fn count(&self) -> usize {
-        self.planes.len() + self.slides.len()
-    }
-
-    /// The plane of a face.
-    pub(crate) fn plane(&self, face: usize) -> Option<Plane> {
-        self.planes.get(face).copied().or_else(|| self.slides.get(face).map(|it| it.at(self.part)))
-    }
-
-    /// All planes.
-    pub(crate) fn all(&self) -> impl Iterator<Item = Plane> {
-        self.planes.iter().copied().chain(self.slides.iter().map(|it| it.at(self.part)))
-    }
-}
-
 impl Level {
     /// The corners of what it and all on the way to the next finer one lies in.
     pub(super) fn envelope(&self) -> &[DVec3] {
         &self.envelope
     }
 
+    /// The greatest of the numbers that make it.
+    pub(super) fn reach(&self) -> f64 {
+        self.slides.iter().map(|it| it.offset.abs().max((it.offset + it.way).abs())).fold(0.0, f64::max)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.set.bytes() + size_of_val(&*self.slides) + size_of_val(&*self.envelope)
     }
-
-    pub(super) fn slides(&self) -> &[Slide] {
-        &self.slides
-    }
 }
 
-/// Which of these levels is seen where so much error is allowed.
+/// The way from a level to the next has so many steps: a beam that begins elsewhere by a rounding error sees the same as its neighbours.
+const STEPS: f64 = 64.0;
+
+/// Which of these levels is seen by a beam of this width.
 #[inline]
-pub(super) fn detail(levels: &[Level], error: f64) -> Detail {
+pub(super) fn detail(levels: &[Level], width: f64) -> Detail {
     for (level, it) in levels.iter().enumerate() {
-        if error >= it.error {
-            return Detail { level, part: ((2.0 * it.error - error) / it.error).max(0.0) };
+        if width >= it.width {
+            let part = ((2.0 * it.width - width) / it.width).max(0.0);
+            return Detail { level, part: (part * STEPS).round() / STEPS };
         }
     }
     Detail::WHOLE
@@ -119,14 +100,15 @@ pub(super) fn detail(levels: &[Level], error: f64) -> Detail {
 #[inline]
 pub(super) fn shown<'s>(set: &'s ConvexSet, levels: &'s [Level], detail: Detail) -> Shown<'s> {
     match levels.get(detail.level) {
-        Some(level) if detail.part > 0.0 => Shown { planes: &[], slides: level.slides(), part: detail.part },
+        Some(level) if detail.part > 0.0 => Shown { planes: &[], slides: &level.slides, part: detail.part },
         Some(level) => Shown { planes: level.set.planes(), slides: &[], part: 0.0 },
         None => Shown { planes: set.planes(), slides: &[], part: 0.0 },
     }
 }
 
-/// The levels of a set that is bounded by the last planes of a family, the coarsest first.
-pub(super) fn levels(whole: &ConvexSet, family: &Family) -> Vec<Level> {
+/// The levels of a set that is bounded by the last planes of a family, the coarsest first. What a beam sees lies so many times its width from
+/// the whole at most.
+pub(super) fn levels(whole: &ConvexSet, family: &Family, tolerance: f64) -> Vec<Level> {
     if whole.is_empty() || whole.open().is_some() || family.last.len() > MOST {
         return Vec::new();
     }
@@ -134,15 +116,16 @@ pub(super) fn levels(whole: &ConvexSet, family: &Family) -> Vec<Level> {
     let generations = lines.iter().map(Vec::len).max().unwrap_or(0);
     let center = whole.corners().iter().sum::<DVec3>() / whole.corners().len() as f64;
     let mut levels: Vec<Level> = Vec::new();
-    let (mut finer, mut finer_error) = (generation(&lines, generations), 0.0);
+    let (mut finer, mut finer_width) = (generation(&lines, generations), 0.0);
     let mut finer_set = whole.clone();
     for number in (0..generations.saturating_sub(1)).rev() {
         let coarser = generation(&lines, number + 1);
         if coarser.len() == finer.len() {
             continue;
         }
-        let Some(level) = level((whole, center), family, (&coarser, &finer), &finer_set, finer_error) else { break };
-        (finer, finer_set, finer_error) = (coarser, level.set.clone(), level.error);
+        let Some(mut level) = level((whole, center), family, (&coarser, &finer), &finer_set) else { break };
+        level.width = (level.width / tolerance).max(2.0 * finer_width);
+        (finer, finer_set, finer_width) = (coarser, level.set.clone(), level.width);
         levels.push(level);
     }
     levels.reverse();
@@ -157,13 +140,13 @@ fn generation(lines: &[Vec<u32>], number: usize) -> Vec<u32> {
     planes
 }
 
-/// A level, and the way from there to the next finer one; `None` if it has no end, or does not hold the middle of the whole.
+/// A level, and the way from there to the next finer one, with how far all of that lies from the whole at most as its width; `None` if it has no
+/// end, or does not hold the middle of the whole.
 fn level(
     (whole, center): (&ConvexSet, DVec3),
     family: &Family,
     (coarser, finer): (&[u32], &[u32]),
     finer_set: &ConvexSet,
-    finer_error: f64,
 ) -> Option<Level> {
     let planes: Vec<Plane> = coarser.iter().map(|it| family.planes[*it as usize].0).collect();
     let set = ConvexSet::of_planes(planes.clone())?;
@@ -192,9 +175,9 @@ fn level(
     // All that is seen on the way holds what is common to both levels, and lies in the envelope.
     let inner = [&set, finer_set].map(|it| apart(whole.corners(), it, center));
     let outer = apart(envelope.corners(), whole, center);
-    let error = outer.max(inner[0]).max(inner[1]).max(2.0 * finer_error);
-    let corners = envelope.corners().to_vec();
-    (error.is_finite() && error > 0.0).then_some(Level { set, error, slides, envelope: corners })
+    let width = outer.max(inner[0]).max(inner[1]);
+    let envelope = envelope.corners().to_vec();
+    (width.is_finite() && width > 0.0).then_some(Level { set, width, slides, envelope })
 }
 
 /// At least how far any of some points lies from a set that holds a point.
@@ -212,6 +195,12 @@ fn apart(points: &[DVec3], set: &ConvexSet, center: DVec3) -> f64 {
 }
 
 impl Family {
+    /// Adds a plane, and gives its number.
+    pub(crate) fn add(&mut self, plane: Plane, parent: Option<u32>) -> u32 {
+        self.planes.push((plane, parent));
+        self.planes.len() as u32 - 1
+    }
+
     /// A plane that was not split, with those that led to it before it, the first one first.
     fn line(&self, last: u32) -> Vec<u32> {
         let mut line: Vec<u32> = std::iter::successors(Some(last), |it| self.planes[*it as usize].1).collect();

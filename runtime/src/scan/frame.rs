@@ -13,7 +13,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::outline::DOUBT;
 use super::projection::{self, Projection};
 use super::tour::Look;
-use crate::geometry::{Plane, Primitive, Ray, Rind};
+use crate::geometry::{Detail, Plane, Primitive, Ray, Rind, Shown};
 use crate::mesh::Surface;
 use crate::picture::Rect;
 use crate::texture::Rough;
@@ -51,8 +51,10 @@ pub(crate) struct Piece {
 /// The form of a [`Piece`].
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// A primitive: normals are those of its faces, or of a carved surface.
-    Primitive(Primitive, Box<DAffine3>, Option<Arc<Rough>>),
+    /// A primitive: normals are those of its faces.
+    Primitive(Primitive, Box<DAffine3>),
+    /// What is seen of a hull: normals are those of its planes, or of a carved surface.
+    Hull { primitive: Primitive, own_from_world: Box<DAffine3>, detail: Detail, rough: Option<Arc<Rough>> },
     /// Triangles: normals lie between those of their corners.
     Surface(Arc<Surface>, Box<DAffine3>),
 }
@@ -257,9 +259,9 @@ impl Grid<'_> {
 
 impl Piece {
     /// The plane of a face, in its own frame, if it is flat.
-    pub(crate) fn plane(&self, face: u32) -> Option<(&Plane, &DAffine3)> {
-        let Shape::Primitive(primitive, own_from_world, None) = &self.shape else { return None };
-        Some((primitive.hull()?.planes().get(face as usize)?, own_from_world))
+    pub(crate) fn plane(&self, face: u32) -> Option<(Plane, &DAffine3)> {
+        let Shape::Hull { own_from_world, rough: None, .. } = &self.shape else { return None };
+        Some((self.shape.shown()?.plane(face as usize)?, own_from_world))
     }
 
     fn see(&self, t: f64, face: u32, beam: &Beam, seen: &mut Seen) {
@@ -288,36 +290,47 @@ fn painted(position: DVec3, frame_from_world: &DAffine3) -> Painted {
 impl Shape {
     /// The numbers of its faces are less than this, if they are told apart.
     pub(crate) fn faces(&self) -> u32 {
+        self.shown().map_or(1, |it| it.count() as u32)
+    }
+
+    /// What is seen of it, if it is a hull.
+    fn shown(&self) -> Option<Shown<'_>> {
         match self {
-            Self::Primitive(primitive, _, None) => primitive.hull().map_or(1, |it| it.planes().len() as u32),
-            Self::Primitive(_, _, Some(_)) | Self::Surface(..) => 1,
+            Self::Hull { primitive, detail, .. } => Some(primitive.hull()?.shown(*detail)),
+            Self::Primitive(..) | Self::Surface(..) => None,
         }
     }
 
     /// Where a ray meets a face that it is known to meet at about this t: of a smooth hull, where it meets the plane of the face.
     fn exactly(&self, t: f64, face: u32, ray: &Ray) -> f64 {
         match self {
-            Self::Primitive(primitive, own_from_world, None) => match primitive.hull().map(|it| it.planes()) {
-                Some(planes) => planes[face as usize].met(&ray.mapped(own_from_world)),
-                None => t,
-            },
-            Self::Primitive(..) | Self::Surface(..) => t,
+            Self::Hull { own_from_world, rough: None, .. } => {
+                let plane = self.shown().and_then(|it| it.plane(face as usize));
+                plane.map_or(t, |it| it.met(&ray.mapped(own_from_world)))
+            }
+            Self::Hull { .. } | Self::Primitive(..) | Self::Surface(..) => t,
         }
     }
 
     fn own_from_world(&self) -> &DAffine3 {
         match self {
-            Self::Primitive(_, own_from_world, _) | Self::Surface(_, own_from_world) => own_from_world,
+            Self::Primitive(_, own_from_world)
+            | Self::Hull { own_from_world, .. }
+            | Self::Surface(_, own_from_world) => own_from_world,
         }
     }
 
     fn normal(&self, position: DVec3, face: u32, beam: &Beam) -> DVec3 {
         let (own, own_from_world, is_solid) = match self {
-            Self::Primitive(primitive, own_from_world, rough) => {
+            Self::Primitive(primitive, own_from_world) => {
                 let point = own_from_world.transform_point3(position);
-                let own = primitive.normal(point, face as u16);
-                let own = rough.as_ref().map_or(own, |it| it.normal(own, point));
-                (own, own_from_world, primitive.is_solid())
+                (primitive.normal(point, face as u16), own_from_world, primitive.is_solid())
+            }
+            Self::Hull { own_from_world, rough, .. } => {
+                let own = self.shown().map_or(DVec3::Z, |it| it.normal(face as u16));
+                let rough = rough.as_ref();
+                let own = rough.map_or(own, |it| it.normal(own, own_from_world.transform_point3(position)));
+                (own, own_from_world, true)
             }
             Self::Surface(surface, own_from_world) => {
                 let own = surface.normal(face as usize, own_from_world.transform_point3(position));
@@ -355,7 +368,7 @@ mod tests {
             let column = if number == 0 { 1 } else { 0 };
             assert!(frame.grid(0).put(column, 0, 20_000.0 - f64::from(number), piece, 0));
             let look = Look { material: None, world_from_paint: None, route: u64::from(number), origin: Origin::NONE };
-            let shape = Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY), None);
+            let shape = Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY));
             frame.say(Piece { look, shape, rind: None });
             most = most.max(frame.pieces.len());
         }

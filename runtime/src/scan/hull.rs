@@ -25,7 +25,7 @@ use super::frame::{Frame, Grid, Mark};
 use super::outline::Outline;
 use super::projection::{Fan, Linear, PlaneSeen};
 use super::solid::Meeting;
-use crate::geometry::{ConvexSet, Plane, Primitive};
+use crate::geometry::{Aabb, Shown};
 use crate::lanes::{Kernel, Task, dispatch, select16};
 use crate::texture::Rough;
 
@@ -67,8 +67,9 @@ struct Met {
 /// A hull where it is in the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Hull<'h> {
-    pub(crate) primitive: &'h Primitive,
-    pub(crate) set: &'h ConvexSet,
+    pub(crate) bounds: Aabb,
+    /// What is seen of it.
+    pub(crate) shown: Shown<'h>,
     pub(crate) world_from_own: &'h DAffine3,
     /// How its surface is carved.
     pub(crate) rough: Option<&'h Arc<Rough>>,
@@ -76,9 +77,9 @@ pub(crate) struct Hull<'h> {
 
 /// Draws a hull where it is met so, as the piece of the next number; says whether any of it is seen.
 pub(crate) fn draw(frame: &mut Frame, registers: &mut Registers, hull: Hull<'_>, meeting: Meeting) -> bool {
-    let outline = Outline::new(&hull.primitive.bounds(), hull.world_from_own, frame.projection());
+    let outline = Outline::new(&hull.bounds, hull.world_from_own, frame.projection());
     let fan = frame.projection().fan(&hull.world_from_own.inverse());
-    registers.sort(hull.set.planes(), &fan);
+    registers.sort(&hull.shown, &fan);
     dispatch(Drawing { frame, registers, hull, outline, fan, meeting })
 }
 
@@ -224,11 +225,12 @@ impl Drawer<'_> {
         let Self { piece, hull, fan, meeting } = self;
         let ray = fan.ray(grid.at(column, row));
         if let Some(rough) = hull.rough {
-            let chord = hull.set.chord(&ray, None).and_then(|it| rough.left(hull.set, &ray, it));
+            let chord = hull.shown.chord(&ray, None).and_then(|it| rough.left(&hull.shown, &ray, it));
             let met = chord.and_then(|it| meeting.of_chord(&it));
             return met.is_some_and(|it| grid.put(column, row, it.t, *piece, u32::from(it.face)));
         }
-        let [near, far] = planes.map(|it| it.map(|plane| (hull.set.planes()[plane as usize].met(&ray), plane)));
+        let met = |number: u32| Some((hull.shown.plane(number as usize)?.met(&ray), number));
+        let [near, far] = planes.map(|it| it.and_then(met));
         let met = match (meeting, near, far) {
             (Meeting::First, Some(near), _) if near.0 > 0.0 => Some(near),
             (Meeting::First, _, far) => far,
@@ -245,12 +247,12 @@ const NO_PLANE: u32 = u32::MAX;
 
 impl Registers {
     /// Says of each plane from which side it is seen, and how it is scanned.
-    fn sort(&mut self, planes: &[Plane], fan: &Fan) {
+    fn sort(&mut self, shown: &Shown<'_>, fan: &Fan) {
         self.behind.clear();
         self.before.clear();
         self.edges.clear();
-        for (number, plane) in planes.iter().enumerate() {
-            let seen = PlaneSeen::new(plane, fan);
+        for (number, plane) in shown.all().enumerate() {
+            let seen = PlaneSeen::new(&plane, fan);
             let side = seen.side();
             if side > 0.0 {
                 self.behind.push(number as u32, seen.nearness());

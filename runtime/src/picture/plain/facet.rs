@@ -60,7 +60,7 @@ impl Facet {
             return None;
         }
         let fan = projection.fan(own_from_world);
-        let nearness = Linear::of_plane(plane, &fan)?;
+        let nearness = Linear::of_plane(&plane, &fan)?;
         let steep = own_from_world.matrix3.transpose() * plane.normal;
         let normal = steep.normalize();
         if !normal.is_finite() {

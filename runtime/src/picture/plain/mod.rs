@@ -29,7 +29,7 @@ pub(super) struct Plain {
     pub(super) others: Vec<(u32, u32)>,
     /// How many points of surfaces were looked up in maps of shadows.
     pub(super) shadow_count: u64,
-    /// For each piece the number of its first face in `known`.
+    /// For each piece the number of its first face in `known`, then how many there are.
     firsts: Vec<u32>,
     /// For each face of each piece what is known of it.
     known: Vec<Known>,
@@ -61,6 +61,7 @@ impl Plain {
             self.firsts.push(faces);
             faces += piece.shape.faces();
         }
+        self.firsts.push(faces);
         self.known.clear();
         self.known.resize(faces as usize, Known::Nothing);
         dispatch(Shading { plain: self, frame, setting, shadows });
@@ -108,7 +109,10 @@ impl Shading<'_> {
     /// Paints a run of pixels on a face, of which the first has its middle here.
     #[inline(always)]
     fn face(&mut self, mark: Mark, at: DVec2, run: Range<usize>, (column, row): (usize, usize)) {
-        let slot = (self.plain.firsts[mark.piece() as usize] + mark.face()) as usize;
+        let piece = mark.piece() as usize;
+        let (first, end) = (self.plain.firsts[piece], self.plain.firsts[piece + 1]);
+        // Faces of what is no hull are not told apart.
+        let slot = (first + mark.face()).min(end - 1) as usize;
         if let Known::Nothing = self.plain.known[slot] {
             self.plain.known[slot] = self.learn(mark);
         }

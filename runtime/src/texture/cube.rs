@@ -238,22 +238,47 @@ impl Cube {
     /// What lies between the middles of eight cells.
     #[inline(always)]
     fn between_cells(&self, level: usize, place: DVec3) -> Texel {
-        let last = (self.side >> level) - 1;
-        let cells = place * SHRINKING[level] - 0.5;
-        // Sides are powers of two.
-        let ((x, part_x), (y, part_y), (z, part_z)) = (split(cells.x), split(cells.y), split(cells.z));
+        let eight = Eight::new(self.side >> level, place * SHRINKING[level]);
+        match level.checked_sub(1).map(|it| self.starts[it]) {
+            None => eight.mixed(|it| self.palette[usize::from(self.finest[it])]),
+            Some(start) => eight.mixed(|it| self.coarse[start + it]),
+        }
+    }
+}
+
+/// Eight cells of a level around a place.
+struct Eight {
+    /// The numbers of the four to the left, and by how much those to the right are greater.
+    cells: [usize; 4],
+    right: usize,
+    /// How far along each axis the place is between them.
+    part: [f32; 3],
+}
+
+impl Eight {
+    /// Those around a place in a cube of so many cells a side, a power of two.
+    #[inline(always)]
+    fn new(side: usize, place: DVec3) -> Self {
+        let last = side - 1;
+        let ((x, part_x), (y, part_y), (z, part_z)) = (split(place.x), split(place.y), split(place.z));
         let (x, y, z) = (x & last, y & last, z & last);
-        let (right, back, above) = ((x + 1) & last, (y + 1) & last, (z + 1) & last);
-        let sides = [x, right];
-        let low = mixed(self.along_x(level, sides, y, z, part_x), self.along_x(level, sides, back, z, part_x), part_y);
-        let (near, far) = (self.along_x(level, sides, y, above, part_x), self.along_x(level, sides, back, above, part_x));
-        mixed(low, mixed(near, far, part_y), part_z)
+        let (back, above) = (((y + 1) & last) * side, ((z + 1) & last) * side * side);
+        let (y, z) = (y * side, z * side * side);
+        // It may be less.
+        let right = ((x + 1) & last).wrapping_sub(x);
+        Self { cells: [z + y + x, z + back + x, above + y + x, above + back + x], right, part: [part_x, part_y, part_z] }
     }
 
-    /// What lies between two cells side by side.
+    /// What lies between them.
     #[inline(always)]
-    fn along_x(&self, level: usize, [left, right]: [usize; 2], y: usize, z: usize, part: f32) -> Texel {
-        mixed(self.texel(level, [left, y, z]), self.texel(level, [right, y, z]), part)
+    fn mixed(&self, texel: impl Fn(usize) -> Texel) -> Texel {
+        let [x, y, z] = self.part;
+        let [a, b, c, d] = self.cells;
+        let a = mixed(texel(a), texel(a.wrapping_add(self.right)), x);
+        let b = mixed(texel(b), texel(b.wrapping_add(self.right)), x);
+        let c = mixed(texel(c), texel(c.wrapping_add(self.right)), x);
+        let d = mixed(texel(d), texel(d.wrapping_add(self.right)), x);
+        mixed(mixed(a, b, y), mixed(c, d, y), z)
     }
 }
 
@@ -261,16 +286,17 @@ impl Cube {
 const SHRINKING: [f64; 9] =
     [1.0, 1.0 / 2.0, 1.0 / 4.0, 1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
-/// A number as the whole number below it, of which the lower bits are right, and what is left. What is beyond all digits has no place.
+/// Between which middles of cells a place along an axis lies: the number of the lower one, of which the last bits are right, and how far from
+/// there to the next. What is beyond all digits has no place.
 #[inline(always)]
-fn split(number: f64) -> (usize, f32) {
+fn split(place: f64) -> (usize, f32) {
     /// Numbers of this size have no digits behind the point, and the whole number stands in their last bits.
     const WHOLE: f64 = (3_u64 << 51) as f64;
-    let shifted = number + WHOLE;
-    let nearest = shifted - WHOLE;
-    let is_above = nearest > number;
-    let low = nearest - f64::from(u8::from(is_above));
-    (shifted.to_bits().wrapping_sub(u64::from(is_above)) as usize, (number - low) as f32)
+    // A middle lies half a cell in. The nearest number to what is another half less is the one below; just in a middle it may be the one before,
+    // and the part is 1.
+    let shifted = (place - 1.0) + WHOLE;
+    let low = shifted - WHOLE;
+    (shifted.to_bits() as usize, ((place - 0.5) - low) as f32)
 }
 
 /// The finest cells: blocks of random places and sizes, laid one over the other.

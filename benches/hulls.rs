@@ -107,12 +107,8 @@ fn measure(file: PathBuf, set: &[Setting], arguments: &Arguments) -> Result<f64,
 
 fn frames(scene_name: String, scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
     let limits = Limits::default();
-    let options = RenderOptions {
-        size: Some((SIDE, SIDE)),
-        samples: Some(1),
-        tile: arguments.tile,
-        ..RenderOptions::default()
-    };
+    let options =
+        RenderOptions { size: Some((SIDE, SIDE)), samples: Some(1), tile: arguments.tile, ..RenderOptions::default() };
     let scanner = Scanner::new(scene, StemSurface::Cones, &limits, &())?;
     let mut stage = Stage::new(scene, &scanner);
     let mut times = Vec::new();

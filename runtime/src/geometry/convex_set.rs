@@ -54,7 +54,10 @@ impl ConvexSet {
             return None;
         }
         let (planes, faces) = faces::find(planes);
-        let (low, high) = faces.corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), it| (low.min(*it), high.max(*it)));
+        let (low, high) = faces
+            .corners
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), it| (low.min(*it), high.max(*it)));
         Some(Self { planes, faces, center: (low + high) * 0.5, levels: Vec::new() })
     }
 
@@ -148,7 +151,10 @@ impl ConvexSet {
 
     /// About how many bytes it takes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(self) + size_of_val(&*self.planes) + self.faces.bytes() + self.levels.iter().map(Level::bytes).sum::<usize>()
+        size_of_val(self)
+            + size_of_val(&*self.planes)
+            + self.faces.bytes()
+            + self.levels.iter().map(Level::bytes).sum::<usize>()
     }
 }
 

@@ -182,8 +182,7 @@ fn level(
 
 /// At least how far any of some points lies from a set that holds a point.
 fn apart(points: &[DVec3], set: &ConvexSet, center: DVec3) -> f64 {
-    let planes: Vec<DVec3> =
-        set.planes().iter().map(|it| it.normal / (it.offset - it.normal.dot(center))).collect();
+    let planes: Vec<DVec3> = set.planes().iter().map(|it| it.normal / (it.offset - it.normal.dot(center))).collect();
     let mut most: f64 = 0.0;
     for point in points {
         let way = *point - center;

@@ -301,13 +301,21 @@ impl<'a> Painter<'a> {
         if setting.view.layers && setting.view.samples == 1 && setting.plain().is_none() {
             self.keep_centres();
         }
-        let shaded = setting.shader.shade(setting.tracer, &self.desk.beams, &self.desk.keys, &mut self.desk.seen, &mut self.desk.scratch);
+        let shaded = setting.shader.shade(
+            setting.tracer,
+            &self.desk.beams,
+            &self.desk.keys,
+            &mut self.desk.seen,
+            &mut self.desk.scratch,
+        );
         shaded.map_err(|fault| self.stop(fault))?;
         for (key, color) in self.desk.keys.iter().zip(&self.desk.scratch.colors) {
             self.desk.pixels[key.slot as usize].add(*color);
         }
         if !self.desk.spreads.is_empty() {
-            for ((key, color), fragments) in self.desk.keys.iter().zip(&self.desk.scratch.colors).zip(self.desk.seen.rays()) {
+            for ((key, color), fragments) in
+                self.desk.keys.iter().zip(&self.desk.scratch.colors).zip(self.desk.seen.rays())
+            {
                 self.desk.spreads[key.slot as usize].add(*color, fragments.first(), setting.rays);
             }
         }

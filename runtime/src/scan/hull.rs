@@ -149,7 +149,8 @@ impl Drawer<'_> {
             let start = (left + columns.start as u32).saturating_sub(first);
             inside &= (0xffff << start) & (0xffff >> (first + LANES as u32).saturating_sub(end));
             if inside != 0 {
-                inside = registers.within_edges(inside, DVec2::new(f64::from(first), f64::from(grid.rect.y) + row as f64) + origin);
+                inside = registers
+                    .within_edges(inside, DVec2::new(f64::from(first), f64::from(grid.rect.y) + row as f64) + origin);
                 is_seen |= self.merge(grid, row, first, &met, inside);
             } else if was_inside {
                 // A convex set is met in one run.
@@ -173,7 +174,8 @@ impl Drawer<'_> {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
             let column = (first + lane as u32 - grid.rect.x) as usize;
-            let planes = [met.front_planes[lane], met.back_planes[lane]].map(|it| Some(it).filter(|it| *it != NO_PLANE));
+            let planes =
+                [met.front_planes[lane], met.back_planes[lane]].map(|it| Some(it).filter(|it| *it != NO_PLANE));
             is_seen |= self.put(grid, (column, row), planes);
         }
         is_seen

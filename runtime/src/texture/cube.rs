@@ -157,7 +157,8 @@ impl Cube {
         let color = |it: &[f64; 3]| linear(DVec3::from_array(*it)).extend(1.0).as_vec4().to_array();
         let palette: Vec<Texel> = std::iter::once([0.0; 4]).chain(chunks.colors.iter().map(color)).collect();
         let finest = finest(chunks, seed);
-        let mut cube = Self { side, scale: side as f64 / chunks.size, palette, finest, coarse: Vec::new(), starts: Vec::new() };
+        let mut cube =
+            Self { side, scale: side as f64 / chunks.size, palette, finest, coarse: Vec::new(), starts: Vec::new() };
         let mut half = side / 2;
         while half > 0 {
             let level = cube.coarser(half);
@@ -266,7 +267,11 @@ impl Eight {
         let (y, z) = (y * side, z * side * side);
         // It may be less.
         let right = ((x + 1) & last).wrapping_sub(x);
-        Self { cells: [z + y + x, z + back + x, above + y + x, above + back + x], right, part: [part_x, part_y, part_z] }
+        Self {
+            cells: [z + y + x, z + back + x, above + y + x, above + back + x],
+            right,
+            part: [part_x, part_y, part_z],
+        }
     }
 
     /// What lies between them.

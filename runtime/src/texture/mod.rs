@@ -21,8 +21,8 @@ use self::tiles::Tiles;
 use crate::eval::mix;
 use crate::form::{Pattern, Texture};
 
-pub use cube::Tint;
 pub(crate) use cube::Cells;
+pub use cube::Tint;
 pub use decode::{BadPicture, decode_png};
 pub use footprint::Footprint;
 pub(crate) use rough::{Rough, Roughs};

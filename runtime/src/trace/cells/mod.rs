@@ -272,7 +272,16 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
                 self.look_out(&packet[number], from[number], seen)
             } else {
                 let (depth, found) = ask.found(number);
-                self.see(&Hit { ray: &packet[number].ray, girth: Girth::of(&packet[number]), number: number as u8, depth, found }, seen)
+                self.see(
+                    &Hit {
+                        ray: &packet[number].ray,
+                        girth: Girth::of(&packet[number]),
+                        number: number as u8,
+                        depth,
+                        found,
+                    },
+                    seen,
+                )
             };
             looked.map_err(|fault| RayFault { ray: number, fault })?;
         }

@@ -329,9 +329,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                     rough_set(&self.store.roughs, cell, leaf, place.material)
                 };
                 let girth = if place.frozen || part.frozen { Girth::NONE } else { hit.girth };
-                let shown = cell.shown(leaf, |center| {
-                    self.local(place, hit.ray).width_at(girth, &leaf.leaf_from_cell, center)
-                });
+                let shown =
+                    cell.shown(leaf, |center| self.local(place, hit.ray).width_at(girth, &leaf.leaf_from_cell, center));
                 let face =
                     Cell::face(shown, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
                 let outwards = self.normal(place, cell, (leaf, face), (shown, rough), hit);

@@ -451,8 +451,8 @@ pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, pas
         }
     } else if passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part) {
         // It belongs to what the light goes through.
-    } else if let Some((shown, rough)) =
-        rough_set(roughs, cell, leaf, passage.paint).and_then(|it| Some((shown(cell, leaf, &passage.ray, ask.girth)?, it)))
+    } else if let Some((shown, rough)) = rough_set(roughs, cell, leaf, passage.paint)
+        .and_then(|it| Some((shown(cell, leaf, &passage.ray, ask.girth)?, it)))
     {
         meet_rough(ask, rough, &shown, leaf, passage);
     } else {

@@ -11,7 +11,7 @@ mod support;
 
 use std::error::Error;
 use std::hint::black_box;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use glam::DVec3;
@@ -73,18 +73,18 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if let Some(file) = &arguments.file {
-        return measure(file.clone(), &arguments.set, arguments).map(|_| ());
+        return measure(file, &arguments.set, arguments).map(|_| ());
     }
     let file = |name: &str| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("benches/scenes").join(name);
     for sunny in ["0", "1"] {
         let set = [Setting { name: "sunny".to_owned(), value: sunny.to_owned() }];
-        measure(file("hulls.tg"), &set, arguments)?;
-        measure(file("icosahedron.tg"), &set, arguments)?;
+        measure(&file("hulls.tg"), &set, arguments)?;
+        measure(&file("icosahedron.tg"), &set, arguments)?;
     }
     // A hull that fills the picture, of few planes and of many: what more planes take is their scanning alone.
     let planes = |count: &str| [Setting { name: "planes".to_owned(), value: count.to_owned() }];
-    let few = measure(file("facets.tg"), &planes("40"), arguments)?;
-    let many = measure(file("facets.tg"), &planes("200"), arguments)?;
+    let few = measure(&file("facets.tg"), &planes("40"), arguments)?;
+    let many = measure(&file("facets.tg"), &planes("200"), arguments)?;
     let bare_gplanes_s = bare();
     let drawn_gplanes_s = f64::from(160 * SIDE * SIDE) / ((many - few) * 1e6);
     let share = drawn_gplanes_s / bare_gplanes_s;
@@ -96,8 +96,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 const SIDE: u32 = 512;
 
 /// Draws a program's frames, prints what they took, and gives the least milliseconds of one.
-fn measure(file: PathBuf, set: &[Setting], arguments: &Arguments) -> Result<f64, Box<dyn Error>> {
-    let scene = support::scene(&file, set)?;
+fn measure(file: &Path, set: &[Setting], arguments: &Arguments) -> Result<f64, Box<dyn Error>> {
+    let scene = support::scene(file, set)?;
     let settings: Vec<String> = set.iter().map(|it| format!(" {}={}", it.name, it.value)).collect();
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned() + &settings.concat();
     let numbers = frames(name, &scene, arguments).map_err(|fault| format!("{fault:?}"))?;

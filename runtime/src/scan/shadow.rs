@@ -298,10 +298,10 @@ impl Map {
         let middle = slope.across * right + slope.down * below;
         let nearest = place.depth as f32 - slope.bias;
         let mut hidden = 0;
-        for texel in 0..12 {
-            let rise = middle + slope.around[texel];
+        for (depth, around) in texels.iter().zip(&slope.around) {
+            let rise = middle + around;
             let plane = nearest + rise.min(rise * slope.certain);
-            hidden += u32::from(texels[texel] < plane);
+            hidden += u32::from(*depth < plane);
         }
         1.0 - hidden as f32 / 9.0
     }

@@ -6,19 +6,24 @@
 #![allow(unreachable_pub, reason = "a program has no other users than itself")]
 #![allow(clippy::print_stdout, reason = "it is a program, and prints")]
 
+#[path = "support/mod.rs"]
+mod support;
+
 use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
-use treegen_compiler::{Compiled, Loaded, NoFiles, Options, Setting, compile, show};
+use treegen_compiler::Setting;
 use treegen_runtime::form::Scene;
 use treegen_runtime::mesh::StemSurface;
 use treegen_runtime::picture::{Picture, RayCounts, RenderOptions, render, scan};
 use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
+
+use support::timed;
 
 /// The stack of the thread that works.
 const STACK_BYTES: usize = 256 << 20;
@@ -31,7 +36,7 @@ struct Arguments {
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..))]
     frames: u32,
     /// A value for a parameter
-    #[arg(long, value_parser = setting)]
+    #[arg(long, value_parser = support::setting)]
     set: Vec<Setting>,
     /// Rays a pixel
     #[arg(long, default_value_t = 1)]
@@ -76,19 +81,11 @@ struct Numbers {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let scene = scene(&arguments)?;
+    let scene = support::scene(&arguments.file, &arguments.set)?;
     let pool = ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES).build()?;
     let numbers = pool.install(|| measure(&scene, &arguments)).map_err(|fault| format!("{fault:?}"))?;
     println!("{}", serde_json::to_string(&numbers)?);
     Ok(())
-}
-
-fn scene(arguments: &Arguments) -> Result<Scene, Box<dyn Error>> {
-    let text = std::fs::read_to_string(&arguments.file)?;
-    let main = Loaded { name: arguments.file.display().to_string(), text };
-    let options = Options { settings: arguments.set.clone(), ..Options::default() };
-    let Compiled { scene, problems, sources, .. } = compile(main, &NoFiles, &options);
-    scene.ok_or_else(|| show(&problems, &sources, false).into())
 }
 
 fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
@@ -144,36 +141,10 @@ fn rate(picture: &Picture, seconds: f64) -> f64 {
     (camera + reflected + shadow) as f64 / seconds / 1e6
 }
 
-/// The result of some work, and the processor time that this thread took for it, in seconds.
-#[cfg(unix)]
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    use nix::time::{ClockId, clock_gettime};
-    let now = || {
-        clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)
-            .map_or(f64::NAN, |it| std::time::Duration::from(it).as_secs_f64())
-    };
-    let before = now();
-    let result = work();
-    (result, now() - before)
-}
-
-/// The result of some work, and the time it took, in seconds: that of the processor is not known here.
-#[cfg(not(unix))]
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let start = std::time::Instant::now();
-    let result = work();
-    (result, start.elapsed().as_secs_f64())
-}
-
 /// The most memory that this process has held at once; none where the system does not say.
 fn peak_rss_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|it| it.strip_prefix("VmHWM:"))?;
     let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes / 1024.0)
-}
-
-fn setting(text: &str) -> Result<Setting, String> {
-    let (name, value) = text.split_once('=').ok_or("write a name, `=` and a value")?;
-    Ok(Setting { name: name.to_owned(), value: value.to_owned() })
 }

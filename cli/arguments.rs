@@ -176,6 +176,9 @@ pub struct Render {
     /// How many pixels large what is not followed any further is: recursion ends there. 0 follows it to its end, if it has one
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
     pub detail: f64,
+    /// How many pixels hulls may be seen beside where they are: from afar they have so many planes fewer. 0 shows all planes
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = detail, default_value = "1", help_heading = "Picture")]
+    pub lod: f64,
     /// How the surface of stems is made
     #[arg(long, value_name = "SURFACE", default_value = "cones", help_heading = "Mesh")]
     pub surface: Surface,

@@ -159,6 +159,7 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     let limits = Limits {
         cell_bytes: arguments.cell_memory << 20,
         triangles: arguments.triangles,
+        lod: arguments.lod,
         ..arguments.program.limits()
     };
     let program = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
@@ -307,6 +308,9 @@ fn text(arguments: &Render, program: &Understood, picture: &Picture) -> Vec<(Str
     }
     if arguments.detail != RenderOptions::default().detail {
         text.push(("Detail".to_owned(), arguments.detail.to_string()));
+    }
+    if arguments.lod != Limits::default().lod {
+        text.push(("Lod".to_owned(), arguments.lod.to_string()));
     }
     if let Some(rules) = arguments.until {
         text.push(("Until".to_owned(), rules.to_string()));

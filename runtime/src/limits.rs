@@ -1,7 +1,7 @@
 //! How far things may grow. Everything that a program can make grow has a limit here, with a name in [`Limit`](crate::Limit).
 
 /// The limits of a run. No program can raise them; the command line can.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Modules and systems inside one another, on one ray.
     pub depth: u32,
@@ -35,6 +35,9 @@ pub struct Limits {
     pub triangles: u64,
     /// Places where parts of a mesh are laid down; where there would be more, they are larger.
     pub mesh_nodes: u64,
+    /// How far hulls that were split may be seen beside where they are, in widths of beams: they have so much less detail from afar. 0 shows
+    /// all their planes from everywhere.
+    pub lod: f64,
     /// Bytes for states and cells that are kept. It affects the time, never the picture.
     pub cell_bytes: u64,
 }
@@ -58,6 +61,7 @@ impl Default for Limits {
             primitives: 10_000_000,
             triangles: 4_000_000,
             mesh_nodes: 65_536,
+            lod: 1.0,
             cell_bytes: 256 << 20,
         }
     }

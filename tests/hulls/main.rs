@@ -5,6 +5,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod endings;
+mod levels;
 mod orders;
 mod rough;
 mod scan;

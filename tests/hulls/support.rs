@@ -28,3 +28,8 @@ pub(crate) fn fault(text: &str) -> Fault {
         Err(fault) => fault,
     }
 }
+
+/// Whether tests that go through many cases are to go through all of them: with `TREEGEN_FULL` in the environment.
+pub(crate) fn is_full() -> bool {
+    std::env::var_os("TREEGEN_FULL").is_some()
+}

@@ -30,6 +30,7 @@ use self::walker::Here;
 use crate::eval::{Env, Machine};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{Choice, Graph, MaterialId, NodeId, Origin, SegmentList, Shape, ShapeId, Value, Walk};
+use crate::geometry::Family;
 use crate::limits::Limits;
 
 /// Someone who is told what happens in a derivation besides segments.
@@ -121,7 +122,21 @@ impl<'g> Deriver<'g> {
     /// # Errors
     /// As [`Deriver::derive`].
     pub fn normals(&mut self, shape: ShapeId, env: &Env, watcher: &mut impl Watcher) -> Result<Vec<Normal>, Fault> {
-        Ok(self.run(shape, env, watcher)?.1)
+        Ok(self.run(shape, env, watcher)?.1.map(|it| it.normals).unwrap_or_default())
+    }
+
+    /// The same with all planes of the derivation, those that were split too.
+    pub(crate) fn normals_and_family(
+        &mut self,
+        shape: ShapeId,
+        env: &Env,
+        watcher: &mut impl Watcher,
+    ) -> Result<(Vec<Normal>, Family), Fault> {
+        let splits = self.run(shape, env, watcher)?.1;
+        Ok(splits.map_or_else(Default::default, |it| {
+            let family = it.family();
+            (it.normals, family)
+        }))
     }
 
     fn run(
@@ -129,14 +144,14 @@ impl<'g> Deriver<'g> {
         shape: ShapeId,
         env: &Env,
         watcher: &mut impl Watcher,
-    ) -> Result<(SegmentList, Vec<Normal>), Fault> {
+    ) -> Result<(SegmentList, Option<Splits<'g>>), Fault> {
         let mut derivation = Derivation::new(self, shape, env, watcher);
         derivation.start()?;
         while let Some(ticket) = derivation.next()? {
             derivation.apply(ticket)?;
         }
         derivation.settle_all()?;
-        Ok((derivation.list, derivation.splits.map(|it| it.normals).unwrap_or_default()))
+        Ok((derivation.list, derivation.splits))
     }
 }
 
@@ -249,6 +264,7 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
         };
         let here = Here::new(laid.frame.clone(), laid.material, laid.end);
         if !rule.appends {
+            self.note_fork(ticket);
             self.count_replaced();
         }
         self.step(&rule.body, ground, here, Some((ticket, module, number as usize)))?;

@@ -14,7 +14,7 @@ use super::{Derivation, Watcher, limit};
 use crate::eval::{Formula, Path};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{MaterialId, Order, Origin, Splitting, Value};
-use crate::geometry::Plane;
+use crate::geometry::{Family, Plane};
 
 /// A normal of a hull: the vector from a point to the plane that it stands for.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +47,11 @@ fn points_outward(direction: DVec3, start: DVec3) -> bool {
     (direction * start).cmpge(DVec3::ZERO).all()
 }
 
+/// The normal in a frame.
+fn normal(frame: &Frame, length: f64, material: Option<MaterialId>, origin: Origin) -> Normal {
+    Normal { start: frame.position, direction: frame.along(), length: length * frame.factor(), material, origin }
+}
+
 /// What a hull has under way besides what a shape has.
 pub(super) struct Splits<'g> {
     rules: &'g Splitting,
@@ -66,6 +71,10 @@ pub(super) struct Splits<'g> {
     modules: u32,
     /// Normals that will not split.
     pub(super) normals: Vec<Normal>,
+    /// For each of them the number of the module that laid it.
+    parents: Vec<Option<u32>>,
+    /// Modules that were replaced, by number: the one that laid each, and the normal that it stood for, if there is one.
+    forks: BTreeMap<u32, (Option<u32>, Option<Normal>)>,
 }
 
 impl<'g> Splits<'g> {
@@ -80,6 +89,8 @@ impl<'g> Splits<'g> {
             now: 0.0,
             modules: 0,
             normals: Vec::new(),
+            parents: Vec::new(),
+            forks: BTreeMap::new(),
         }
     }
 
@@ -107,6 +118,26 @@ impl<'g> Splits<'g> {
         };
         self.done += u64::from(next.is_some());
         next
+    }
+
+    /// All planes, those that were split too.
+    pub(super) fn family(&self) -> Family {
+        let mut family = Family::default();
+        let mut numbers: BTreeMap<u32, Option<u32>> = BTreeMap::new();
+        let of = |numbers: &BTreeMap<u32, Option<u32>>, module: &Option<u32>| *numbers.get(module.as_ref()?)?;
+        // Modules have greater numbers than those that laid them.
+        for (module, (parent, normal)) in &self.forks {
+            let parent = of(&numbers, parent);
+            let number = normal.as_ref().and_then(Normal::plane).map(|it| family.add(it, parent));
+            numbers.insert(*module, number.or(parent));
+        }
+        for (normal, parent) in self.normals.iter().zip(&self.parents) {
+            if let Some(plane) = normal.plane() {
+                let number = family.add(plane, of(&numbers, parent));
+                family.last.push(number);
+            }
+        }
+        family
     }
 
     /// Lets a module wait for its turn. `draw` gives the number for a draw of its own.
@@ -159,6 +190,21 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
         }
     }
 
+    /// Takes note that a module is replaced, and of the normal that it stood for.
+    pub(super) fn note_fork(&mut self, ticket: Ticket) {
+        let laid = self.waiting.get(ticket);
+        let has_length = !self.shape.modules[laid.module.0 as usize].params.is_empty();
+        let length = match self.waiting.value(ticket, 0) {
+            Value::Number(length) if has_length && length >= 0.0 => Some(length),
+            _ => None,
+        };
+        let normal = length.map(|it| normal(&laid.frame, it, laid.material, self.ancestry.origin(laid.number)));
+        let parent = self.ancestry.parent(laid.number);
+        if let Some(splits) = &mut self.splits {
+            splits.forks.insert(laid.number, (parent, normal));
+        }
+    }
+
     /// A module has been replaced, or has become a normal.
     pub(super) fn count_replaced(&mut self) {
         if let Some(splits) = &mut self.splits {
@@ -181,35 +227,28 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
     }
 
     /// Lays a normal that does not split.
-    pub(super) fn normal(&mut self, code: &Formula, origin: Origin, here: &Here) -> Result<(), Fault> {
+    pub(super) fn normal(
+        &mut self,
+        code: &Formula,
+        origin: Origin,
+        (here, parent): (&Here, Option<u32>),
+    ) -> Result<(), Fault> {
         let mut length = [0.0];
         self.machine.read(code, &mut self.env, "normal", &mut length)?;
         if self.may_lay_normal(here.frame(), origin)? {
-            self.push_normal(here.frame(), length[0], here.material(), origin)?;
+            self.push_normal(normal(here.frame(), length[0], here.material(), origin), length[0], parent)?;
         }
         Ok(())
     }
 
-    fn push_normal(
-        &mut self,
-        frame: &Frame,
-        length: f64,
-        material: Option<MaterialId>,
-        origin: Origin,
-    ) -> Result<(), Fault> {
-        let normal = Normal {
-            start: frame.position,
-            direction: frame.along(),
-            length: length * frame.factor(),
-            material,
-            origin,
-        };
+    fn push_normal(&mut self, normal: Normal, length: f64, parent: Option<u32>) -> Result<(), Fault> {
         if !(length >= 0.0 && normal.plane().is_some()) {
-            return Err(Fault::new(FaultKind::Normal { length: Some(length) }, origin));
+            return Err(Fault::new(FaultKind::Normal { length: Some(length) }, normal.origin));
         }
         self.count_replaced();
         if let Some(splits) = &mut self.splits {
             splits.normals.push(normal);
+            splits.parents.push(parent);
         }
         Ok(())
     }
@@ -218,13 +257,14 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
     pub(super) fn settle(&mut self, ticket: Ticket) -> Result<(), Fault> {
         if self.splits.is_some() {
             let laid = self.waiting.get(ticket);
-            let (frame, material, origin) = (laid.frame.clone(), laid.material, self.ancestry.origin(laid.number));
+            let (origin, parent) = (self.ancestry.origin(laid.number), self.ancestry.parent(laid.number));
             let has_length = !self.shape.modules[laid.module.0 as usize].params.is_empty();
             let length = match self.waiting.value(ticket, 0) {
                 Value::Number(length) if has_length => length,
                 _ => return Err(self.led_to(ticket, Fault::new(FaultKind::Normal { length: None }, origin))),
             };
-            self.push_normal(&frame, length, material, origin).map_err(|it| self.led_to(ticket, it))?;
+            let normal = normal(&laid.frame, length, laid.material, origin);
+            self.push_normal(normal, length, parent).map_err(|it| self.led_to(ticket, it))?;
         }
         self.waiting.forget(ticket);
         Ok(())

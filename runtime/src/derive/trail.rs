@@ -43,7 +43,8 @@ impl Ancestry {
         self.modules[number as usize].origin
     }
 
-    fn parent(&self, number: u32) -> Option<u32> {
+    /// The module that laid a module down.
+    pub(super) fn parent(&self, number: u32) -> Option<u32> {
         self.modules[number as usize].parent
     }
 }

@@ -53,7 +53,7 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
                 Stride::Segment { code, number, origin } => self.segment(code, *number, *origin, ground, here)?,
                 Stride::Normal { code, origin } => {
                     sound(&here.frame, *origin)?;
-                    self.normal(code, *origin, here)?;
+                    self.normal(code, *origin, (here, ground.number))?;
                 }
                 Stride::Module { module, args, place, origin } => {
                     self.lay(*module, args, *place, *origin, ground, here)?;

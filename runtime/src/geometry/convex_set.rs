@@ -4,14 +4,12 @@
 //! by all the others ([`faces`](super::faces)). Planes that have no face are left out.
 
 use glam::DVec3;
-use pulp::Simd;
 
 use super::chord::Chord;
-use super::convex::{Clip as Clips, Lines, Pieces, Pierced};
 use super::faces::{self, Faces};
-use super::flat::Clip;
+use super::levels::{self, Detail, Family, Level};
 use super::ray::Ray;
-use crate::lanes::{Wide, Wide3};
+use super::shown::Shown;
 
 /// The side of a plane where `normal · p <= offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +26,9 @@ pub struct ConvexSet {
     // Invariant: at most MOST_PLANES, and at least one.
     planes: Vec<Plane>,
     faces: Faces,
+    /// The middle of the box around its corners.
+    center: DVec3,
+    levels: Vec<Level>,
 }
 
 /// How many planes a set may have: the number of one is that of its face.
@@ -44,8 +45,58 @@ impl ConvexSet {
         }
         let planes: Option<Vec<Plane>> =
             planes.iter().map(|[x, y, z, d]| Plane::new(DVec3::new(*x, *y, *z), *d)).collect();
-        let (planes, faces) = faces::find(planes?);
-        Some(Self { planes, faces })
+        Self::of_planes(planes?)
+    }
+
+    /// What lies behind these planes; `None` without any, or for too many.
+    pub(super) fn of_planes(planes: Vec<Plane>) -> Option<Self> {
+        if planes.is_empty() || planes.len() > MOST_PLANES {
+            return None;
+        }
+        let (planes, faces) = faces::find(planes);
+        let (low, high) = faces
+            .corners
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), it| (low.min(*it), high.max(*it)));
+        Some(Self { planes, faces, center: (low + high) * 0.5, levels: Vec::new() })
+    }
+
+    /// The same with levels of detail, if it is bounded by the last planes of a family: what a beam sees of it lies so many times the beam's
+    /// width from the whole at most.
+    #[must_use]
+    pub(crate) fn with_levels(self, family: &Family, tolerance: f64) -> Self {
+        Self { levels: levels::levels(&self, family, tolerance), ..self }
+    }
+
+    /// Whether it is seen in less than all detail by some beams.
+    pub(crate) fn has_levels(&self) -> bool {
+        !self.levels.is_empty()
+    }
+
+    /// How much of it is seen by a beam that is so wide at its centre.
+    pub(crate) fn detail(&self, width: f64) -> Detail {
+        levels::detail(&self.levels, width)
+    }
+
+    /// What is seen of it.
+    #[inline]
+    pub(crate) fn shown(&self, detail: Detail) -> Shown<'_> {
+        levels::shown(self, &self.levels, detail)
+    }
+
+    /// All of it.
+    pub(crate) fn whole(&self) -> Shown<'_> {
+        self.shown(Detail::WHOLE)
+    }
+
+    /// Its middle: there it is told how wide beams are.
+    pub(crate) fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The greatest `direction · p` of its corners.
+    pub(super) fn reach_along(&self, direction: DVec3) -> f64 {
+        furthest(&self.faces.corners, direction)
     }
 
     /// The planes that matter; the number of each is that of its face. All of them if nothing lies behind all.
@@ -73,71 +124,37 @@ impl ConvexSet {
         self.faces.polygon(number)
     }
 
-    /// The greatest `direction · p` of all its points.
+    /// The greatest `direction · p` of all its points, however much of it is seen.
     pub(super) fn support(&self, direction: DVec3) -> f64 {
         if self.faces.open.iter().any(|it| it.dot(direction) > 0.0) {
             return f64::INFINITY;
         }
-        self.faces.corners.iter().map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+        let levels = self.levels.iter().map(|it| furthest(it.envelope(), direction));
+        levels.fold(self.reach_along(direction), f64::max)
     }
 
     /// The piece of a line inside.
     pub(crate) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
-        let mut clip = Clip::ALL;
-        for (number, plane) in self.planes.iter().enumerate() {
-            let distance = plane.offset - plane.normal.dot(ray.origin);
-            clip = clip.cut(number as u16, distance, plane.normal.dot(ray.direction), from)?;
-        }
-        clip.chord()
-    }
-
-    /// The piece of a line that lies at least so far behind all planes.
-    pub(crate) fn inset_chord(&self, ray: &Ray, depth: f64) -> Option<Chord> {
-        let mut clip = Clip::ALL;
-        for Plane { normal, offset } in &self.planes {
-            clip = clip.cut(0, offset - depth - normal.dot(ray.origin), normal.dot(ray.direction), None)?;
-        }
-        clip.chord()
-    }
-
-    /// The outward normal of a face.
-    pub(super) fn normal(&self, face: u16) -> DVec3 {
-        self.planes.get(usize::from(face)).map_or(DVec3::Z, |it| it.normal)
-    }
-
-    /// The face by which a line comes in or goes out at t; the one nearest to the point there, if it misses the set by a hair.
-    pub(crate) fn face_at(&self, line: &Ray, t: f64) -> u16 {
-        if let Some(chord) = self.chord(line, None) {
-            return if (chord.near.t - t).abs() <= (chord.far.t - t).abs() { chord.near.face } else { chord.far.face };
-        }
-        self.nearest_face(line.at(t))
+        self.whole().chord(ray, from)
     }
 
     /// How far a point lies behind the nearest plane; less than 0 if it is outside.
-    pub(crate) fn depth(&self, point: DVec3) -> f64 {
-        self.planes.iter().map(|it| it.offset - it.normal.dot(point)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// The face that a point is nearest to, or furthest in front of.
-    pub(crate) fn nearest_face(&self, point: DVec3) -> u16 {
-        let above = |it: &Plane| it.normal.dot(point) - it.offset;
-        let highest = self.planes.iter().enumerate().max_by(|a, b| above(a.1).total_cmp(&above(b.1)));
-        highest.map_or(0, |it| it.0 as u16)
-    }
-
-    /// Whether a ray that starts on a face leaves the set for good.
-    pub(crate) fn is_left_by(&self, face: u16, ray: &Ray) -> bool {
-        self.normal(face).dot(ray.direction) > 0.0
+    pub(super) fn depth(&self, point: DVec3) -> f64 {
+        self.whole().depth(point)
     }
 
     /// The greatest of the numbers that make it.
     pub(crate) fn reach(&self) -> f64 {
-        self.planes.iter().map(|it| it.offset.abs()).fold(1.0, f64::max)
+        let slides = self.levels.iter().map(Level::reach);
+        self.planes.iter().map(|it| it.offset.abs()).chain(slides).fold(1.0, f64::max)
     }
 
     /// About how many bytes it takes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(self) + size_of_val(&*self.planes) + self.faces.bytes()
+        size_of_val(self)
+            + size_of_val(&*self.planes)
+            + self.faces.bytes()
+            + self.levels.iter().map(Level::bytes).sum::<usize>()
     }
 }
 
@@ -156,18 +173,13 @@ impl Plane {
         let plane = if (normal.length_squared() - 1.0).abs() < 1e-15 { Self { normal, offset } } else { plane };
         plane.offset.is_finite().then_some(plane)
     }
+
+    /// The t at which a line meets it.
+    pub(crate) fn met(&self, line: &Ray) -> f64 {
+        (self.offset - self.normal.dot(line.origin)) / self.normal.dot(line.direction)
+    }
 }
 
-impl Pierced for ConvexSet {
-    /// The faces are not told apart: whoever needs to know asks [`ConvexSet::face_at`].
-    #[inline(always)]
-    fn pieces<S: Simd>(&self, lanes: S, lines: &Lines<S>) -> Pieces<S> {
-        let mut clip = Clips::all(lanes);
-        for Plane { normal, offset } in &self.planes {
-            let normal = Wide3::splat(lanes, *normal);
-            let distance = Wide::splat(lanes, *offset) - normal.dot(lines.origin);
-            clip = clip.cut(0, distance, normal.dot(lines.direction));
-        }
-        clip.pieces()
-    }
+fn furthest(points: &[DVec3], direction: DVec3) -> f64 {
+    points.iter().map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
 }

@@ -11,6 +11,7 @@ use super::convex::Convex;
 use super::convex_set::ConvexSet;
 use super::flat::{self, HalfSpace};
 use super::frustum;
+use super::levels::Family;
 use super::quadric::Quadric;
 use super::ray::Ray;
 use super::segment::{CutCone, Wrap};
@@ -119,6 +120,13 @@ impl Primitive {
     /// The planes of a convex set; `None` for all other primitives.
     pub fn hull(&self) -> Option<&ConvexSet> {
         if let Shape::Hull(set) = &self.shape { Some(set) } else { None }
+    }
+
+    /// The same with levels of detail, if it is a convex set: see [`ConvexSet::with_levels`].
+    #[must_use]
+    pub(crate) fn with_levels(self, family: &Family, tolerance: f64) -> Self {
+        let Shape::Hull(set) = self.shape else { return self };
+        Self { shape: Shape::Hull(Arc::new(Arc::unwrap_or_clone(set).with_levels(family, tolerance))) }
     }
 
     /// About how many bytes it takes besides itself.
@@ -327,7 +335,7 @@ impl Primitive {
             Shape::Paraboloid { axes } => unit(sheet::paraboloid_gradient(point / axes) / axes),
             Shape::Quadric(quadric) => quadric.normal(point),
             Shape::Segment(cone) => cone.normal(point, face),
-            Shape::Hull(set) => set.normal(face),
+            Shape::Hull(set) => set.whole().normal(face),
         }
     }
 }

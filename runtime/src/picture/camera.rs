@@ -57,6 +57,16 @@ impl Rays {
         Beam { ray, width: 0.0, spread: girth }
     }
 
+    /// How wide beams are: where they are parallel, or else at distance 1.
+    pub(super) fn girth(&self) -> f64 {
+        self.pixel * self.detail
+    }
+
+    /// Whether all rays are parallel.
+    pub(super) fn is_parallel(&self) -> bool {
+        self.parallel
+    }
+
     /// The same camera for scan conversion.
     pub(super) fn projection(&self) -> Projection {
         let Self { eye, forward, right, up, middle, pixel, parallel, .. } = *self;

@@ -1,7 +1,7 @@
 //! The work of one picture, shared out to threads.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -9,40 +9,63 @@ use rayon::prelude::*;
 use super::camera::Rays;
 use super::heat;
 use super::light::Lights;
+use super::paint::Paints;
 use super::pixel::{Hit, Pixel};
 use super::sampling::filter_offset;
 use super::shade::Shader;
-use super::tile::{Painter, Setting, Stop};
+use super::tile::{Desk, Painted, Painter, Setting, Stop};
 use super::view::View;
-use super::{Eyes, Layers, Picture, RayCounts, Rect, Watch};
+use super::{Layers, Picture, RayCounts, Rect, Watch};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Camera, Origin, Scene};
-use crate::scan::Shadows;
+use crate::scan::{Projection, Scanner, Shadows};
 use crate::trace::Tracer;
 
+/// A camera with the light that a scene has where it is seen by that.
+pub(super) struct Sight {
+    rays: Rays,
+    lights: Lights,
+}
+
+/// A picture that is wanted, and what there is to make it with.
+pub(super) struct Order<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) view: &'a View,
+    pub(super) sight: Sight,
+    pub(super) paints: Arc<Paints>,
+    /// Who sees, and who knows of shadows and mirrors.
+    pub(super) tracer: &'a dyn Tracer,
+    /// Who draws what the camera sees, with its maps of shadows, if that is not for the tracer.
+    pub(super) scanner: Option<(&'a Scanner, &'a Shadows)>,
+    /// Buffers that are free.
+    pub(super) desks: &'a Mutex<Vec<Desk>>,
+    /// A picture that is not needed any more.
+    pub(super) picture: Option<Picture>,
+}
+
+impl Sight {
+    pub(super) fn new(scene: &Scene, view: &View, camera: &Camera) -> Self {
+        let rays = Rays::new(camera, view.width, view.height, view.detail);
+        Self { lights: Lights::new(scene, &rays), rays }
+    }
+
+    /// Where the suns stand.
+    pub(super) fn suns(&self) -> Vec<DVec3> {
+        self.lights.suns.iter().map(|it| it.toward).collect()
+    }
+
+    pub(super) fn projection(&self) -> Projection {
+        self.rays.projection()
+    }
+}
+
 /// Renders what the view says.
-pub(super) fn render(
-    scene: &Scene,
-    view: &View,
-    camera: &Camera,
-    eyes: &Eyes<'_>,
-    watch: &dyn Watch,
-) -> Result<Picture, Fault> {
-    let rays = Rays::new(camera, view.width, view.height, view.detail);
-    let lights = Lights::new(scene, &rays);
-    let shadows;
-    let (tracer, scanner): (&dyn Tracer, _) = match eyes {
-        Eyes::Trace(tracer) => (*tracer, None),
-        Eyes::Scan(scanner) => {
-            let suns: Vec<DVec3> = lights.suns.iter().map(|it| it.toward).collect();
-            shadows = Shadows::new(scanner, &suns, &rays.projection(), watch);
-            (&shadows, Some(*scanner))
-        }
-    };
-    let shader = Shader::new(scene, lights);
+pub(super) fn render(order: Order<'_>, watch: &dyn Watch) -> Result<Picture, Fault> {
+    let Order { scene, view, sight: Sight { rays, lights }, paints, tracer, scanner, desks, picture } = order;
+    let shader = Shader::new(lights, paints);
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
     let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, scanner, watch };
-    let job = Job::new(setting, blank(view, scene));
+    let job = Job::new(setting, desks, blank(view, scene, picture));
     // Each of these takes tile after tile, so that buffers are made once a thread.
     (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());
     let mut picture = job.finish()?;
@@ -52,8 +75,8 @@ pub(super) fn render(
     Ok(picture)
 }
 
-/// A picture on which nothing is seen yet.
-fn blank(view: &View, scene: &Scene) -> Picture {
+/// A picture on which nothing is seen yet; its colours may be those of the old one.
+fn blank(view: &View, scene: &Scene, old: Option<Picture>) -> Picture {
     let pixels = view.crop.width as usize * view.crop.height as usize;
     let layers = view.layers.then(|| Layers {
         depth: vec![f32::INFINITY; pixels],
@@ -62,20 +85,17 @@ fn blank(view: &View, scene: &Scene) -> Picture {
         material: vec![0; pixels],
         materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
     });
-    Picture {
-        width: view.width,
-        height: view.height,
-        crop: view.crop,
-        color: vec![[0.0; 4]; pixels],
-        layers,
-        rays: RayCounts::default(),
-        most_work: None,
-    }
+    // Each of them is painted over.
+    let mut color = old.map(|it| it.color).unwrap_or_default();
+    color.resize(pixels, [0.0; 4]);
+    let (width, height, crop) = (view.width, view.height, view.crop);
+    Picture { width, height, crop, color, layers, rays: RayCounts::default(), most_work: None }
 }
 
 /// A picture in the making, and what its threads tell each other.
 struct Job<'a> {
     setting: Setting<'a>,
+    desks: &'a Mutex<Vec<Desk>>,
     picture: Mutex<Picture>,
     /// The next tile to be taken.
     next: AtomicU64,
@@ -88,9 +108,10 @@ struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    fn new(setting: Setting<'a>, picture: Picture) -> Self {
+    fn new(setting: Setting<'a>, desks: &'a Mutex<Vec<Desk>>, picture: Picture) -> Self {
         Self {
             setting,
+            desks,
             picture: Mutex::new(picture),
             next: AtomicU64::new(0),
             done: AtomicU64::new(0),
@@ -102,10 +123,12 @@ impl<'a> Job<'a> {
 
     /// Takes tiles until none is left that matters.
     fn work(&self) {
-        let mut painter = Painter::new(self.setting);
+        let desk = self.desks.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut painter = Painter::new(self.setting, desk.unwrap_or_default());
         while let Some(tile) = self.take() {
             match painter.paint(&tile) {
-                Ok((pixels, centres)) => self.put(pixels, centres),
+                Ok(Painted::Pixels(pixels, centres)) => self.put(pixels, centres),
+                Ok(Painted::Rows(colors, pixels, centres)) => self.put_rows(&tile, colors, pixels, centres),
                 Err(Stop::Interrupted) => self.interrupted.store(true, Ordering::Relaxed),
                 Err(Stop::Fault(pixel, fault)) => self.report(pixel, *fault),
             }
@@ -115,6 +138,8 @@ impl<'a> Job<'a> {
         picture.rays.camera += counts.camera;
         picture.rays.reflected += counts.reflected;
         picture.rays.shadow += counts.shadow;
+        drop(picture);
+        self.desks.lock().unwrap_or_else(PoisonError::into_inner).push(painter.leave());
     }
 
     /// The next tile. The first pixels of tiles come in order: past a fault there is no lower one.
@@ -127,22 +152,45 @@ impl<'a> Job<'a> {
     }
 
     fn put(&self, pixels: &[Pixel], centres: &[Option<Hit>]) {
-        let crop = self.setting.view.crop;
         let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
-        let index = |pixel: &Pixel| {
-            let (x, y) = (pixel.place.0 - crop.x, pixel.place.1 - crop.y);
-            y as usize * crop.width as usize + x as usize
-        };
         for pixel in pixels {
-            picture.color[index(pixel)] = pixel.color();
+            picture.color[self.index(pixel)] = pixel.color();
         }
+        self.put_layers(&mut picture, pixels, centres);
+        drop(picture);
+        self.advance(pixels.len() as u64);
+    }
+
+    /// A pixel's number among those that are made.
+    fn index(&self, pixel: &Pixel) -> usize {
+        let crop = self.setting.view.crop;
+        let (x, y) = (pixel.place.0 - crop.x, pixel.place.1 - crop.y);
+        y as usize * crop.width as usize + x as usize
+    }
+
+    fn put_layers(&self, picture: &mut Picture, pixels: &[Pixel], centres: &[Option<Hit>]) {
         if let Some(layers) = &mut picture.layers {
             for (pixel, hit) in pixels.iter().zip(centres).filter_map(|(pixel, hit)| Some((pixel, hit.as_ref()?))) {
-                layers.set(index(pixel), hit);
+                layers.set(self.index(pixel), hit);
             }
         }
+    }
+
+    fn put_rows(&self, tile: &Rect, colors: &[[f32; 4]], pixels: &[Pixel], centres: &[Option<Hit>]) {
+        let crop = self.setting.view.crop;
+        let (width, first) = (crop.width as usize, (tile.x - crop.x) as usize);
+        let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+        let rows = picture.color.chunks_exact_mut(width).skip((tile.y - crop.y) as usize);
+        for (row, colors) in rows.zip(colors.chunks_exact(tile.width as usize)) {
+            row[first..first + tile.width as usize].copy_from_slice(colors);
+        }
+        self.put_layers(&mut picture, pixels, centres);
         drop(picture);
-        let count = pixels.len() as u64;
+        self.advance(u64::from(tile.width) * u64::from(tile.height));
+    }
+
+    fn advance(&self, count: u64) {
+        let crop = self.setting.view.crop;
         let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
         self.setting.watch.progress(done, u64::from(crop.width) * u64::from(crop.height));
     }

@@ -71,10 +71,10 @@ pub(crate) struct SkyLight {
     pub(crate) sunward: DVec3,
     /// The way to the first sun, level.
     pub(crate) side: DVec3,
-    zenith: DVec3,
-    horizon: DVec3,
-    below: DVec3,
-    visible: bool,
+    pub(super) zenith: DVec3,
+    pub(super) horizon: DVec3,
+    pub(super) below: DVec3,
+    pub(super) visible: bool,
 }
 
 impl Lights {

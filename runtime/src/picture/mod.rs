@@ -16,17 +16,23 @@ pub(crate) mod light;
 mod mirror;
 pub(crate) mod paint;
 mod pixel;
+mod plain;
 mod sampling;
 mod shade;
 mod skin;
+mod stage;
 mod sunlight;
 mod tile;
 mod view;
 mod write_exr;
 mod write_png;
 
-use crate::fault::Fault;
-use crate::form::{Camera, Scene};
+use std::sync::{Arc, Mutex};
+
+use self::job::{Order, Sight};
+use self::paint::Paints;
+use crate::fault::{Fault, FaultKind};
+use crate::form::{Camera, Origin, Scene};
 use crate::limits::Limits;
 use crate::scan::Scanner;
 use crate::trace::Tracer;
@@ -35,12 +41,13 @@ use crate::trace::cells::{CellTracer, Culling};
 pub use framing::frame;
 pub use light::EXPOSURE;
 pub use mirror::MAX_BOUNCES;
+pub use stage::Stage;
 pub use view::{MAX_CELLS, MAX_PIXELS, MAX_SAMPLES};
 pub use write_exr::write_exr;
 pub use write_png::write_png;
 
 /// A rectangle of pixels of a picture; (0, 0) is its upper left corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rect {
     /// The leftmost column.
     pub x: u32,
@@ -166,7 +173,10 @@ pub fn render(
 ) -> Result<Picture, Fault> {
     let view = view::View::new(scene, options)?;
     let camera = scene.camera.clone().map_or_else(|| frame(tracer, view.width, view.height), Ok)?;
-    job::render(scene, &view, &camera, &Eyes::Trace(tracer), watch)
+    let sight = Sight::new(scene, &view, &camera);
+    let (paints, desks) = (Arc::new(Paints::new(scene)), Mutex::default());
+    let order = Order { scene, view: &view, sight, paints, tracer, scanner: None, desks: &desks, picture: None };
+    job::render(order, watch)
 }
 
 /// Makes a picture of a scene by scan conversion, on the threads of the rayon pool it is called in. A heatmap is all black: no ray does
@@ -186,13 +196,7 @@ pub fn scan(
     let view = view::View::new(scene, options)?;
     let framed = || frame(&CellTracer::new(scene, limits, Culling::State)?, view.width, view.height);
     let camera = scene.camera.clone().map_or_else(framed, Ok)?;
-    job::render(scene, &view, &camera, &Eyes::Scan(scanner), watch)
-}
-
-/// Who sees what the camera sees.
-enum Eyes<'a> {
-    /// Rays are traced.
-    Trace(&'a dyn Tracer),
-    /// Things are drawn.
-    Scan(&'a Scanner),
+    let mut stage = Stage::new(scene, scanner);
+    stage.draw(&camera, options, watch)?;
+    stage.take().ok_or_else(|| Fault::new(FaultKind::Interrupted, Origin::NONE))
 }

@@ -108,6 +108,12 @@ impl Paint {
         }
     }
 
+    /// Whether light falls on it and is scattered, and nothing else: it neither shines, mirrors nor lets light through, and is flat.
+    pub(super) fn is_matt(&self) -> bool {
+        let shines = self.gloss.is_some() || self.mirror > 0.0 || self.translucent > 0.0;
+        !shines && self.bump.is_none() && self.relief.is_none()
+    }
+
     /// Its colour on the solid that has this route.
     pub(super) fn color(&self, route: u64) -> DVec3 {
         let Some(range) = self.range else {

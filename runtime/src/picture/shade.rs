@@ -1,16 +1,18 @@
 //! Shading: what the rays of a batch look like. Deferred passes, which do not know which tracer saw: one for what the camera sees,
 //! and one more for each bounce between mirrors.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::color::within;
-use super::light::Lights;
+use super::light::{Lights, SkyLight, SunLight};
 use super::mirror::{MAX_BOUNCES, Reflected, Root, share, thrown_back};
-use super::paint::Paints;
+use super::paint::{Paint, Paints};
 use super::skin::{Skin, Skins};
 use super::sunlight::{Lit, Sunlight};
 use crate::fault::{Fault, FaultKind};
-use crate::form::Scene;
+use crate::form::MaterialId;
 use crate::trace::{Beam, Fragment, RayFault, Seen, Tracer};
 
 /// More light than this says nothing more; it keeps sums finite.
@@ -31,7 +33,7 @@ pub(super) struct Key {
 #[derive(Clone, Debug)]
 pub(super) struct Shader {
     lights: Lights,
-    paints: Paints,
+    paints: Arc<Paints>,
 }
 
 /// The rays that are shaded together.
@@ -85,8 +87,24 @@ impl<B: AsRef<Beam>> Pass<'_, B> {
 }
 
 impl Shader {
-    pub(super) fn new(scene: &Scene, lights: Lights) -> Self {
-        Self { lights, paints: Paints::new(scene) }
+    pub(super) fn sky(&self) -> &SkyLight {
+        &self.lights.sky
+    }
+
+    pub(super) fn suns(&self) -> &[SunLight] {
+        &self.lights.suns
+    }
+
+    pub(super) fn haze(&self) -> f64 {
+        self.lights.haze
+    }
+
+    pub(super) fn paint(&self, material: Option<MaterialId>) -> &Paint {
+        self.paints.of(material)
+    }
+
+    pub(super) fn new(lights: Lights, paints: Arc<Paints>) -> Self {
+        Self { lights, paints }
     }
 
     /// Shades a batch into `scratch.colors`. The fragments lose their sites.
@@ -221,6 +239,11 @@ impl Scratch {
     /// How many shadow rays were traced so far.
     pub(super) fn shadow_count(&self) -> u64 {
         self.sunlight.count
+    }
+
+    /// Begins to count anew.
+    pub(super) fn forget_counts(&mut self) {
+        (self.sunlight.count, self.reflected_count) = (0, 0);
     }
 
     /// The colours of what was summed.

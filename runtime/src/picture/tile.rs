@@ -4,11 +4,12 @@ use glam::DVec2;
 
 use super::camera::Rays;
 use super::pixel::{Hit, Pixel, Spread};
+use super::plain::Plain;
 use super::shade::{Key, Scratch, Shader};
 use super::view::View;
 use super::{RayCounts, Rect, Watch};
 use crate::fault::Fault;
-use crate::scan::{Frame, Room, Scanner};
+use crate::scan::{Frame, Room, Scanner, Shadows};
 use crate::trace::{Beam, RayFault, Seen, Tracer};
 
 /// How many rays go to the tracer at once: enough for its packets, few enough that their samples stay in cache.
@@ -27,9 +28,25 @@ pub(super) struct Setting<'a> {
     pub(super) shader: &'a Shader,
     /// Who sees, and who knows of shadows and mirrors.
     pub(super) tracer: &'a dyn Tracer,
-    /// Who draws what the camera sees, if that is not for the tracer.
-    pub(super) scanner: Option<&'a Scanner>,
+    /// Who draws what the camera sees, with its maps of shadows, if that is not for the tracer.
+    pub(super) scanner: Option<(&'a Scanner, &'a Shadows)>,
     pub(super) watch: &'a dyn Watch,
+}
+
+impl<'a> Setting<'a> {
+    /// Who draws, if all pixels have one sample.
+    fn plain(&self) -> Option<(&'a Scanner, &'a Shadows)> {
+        let View { most, heatmap, .. } = *self.view;
+        self.scanner.filter(|_| most == 1 && !heatmap)
+    }
+}
+
+/// A tile that is done.
+pub(super) enum Painted<'p> {
+    /// Its pixels, in no order, and what the rays through their centres met if that was asked.
+    Pixels(&'p [Pixel], &'p [Option<Hit>]),
+    /// The colours of all its pixels, row by row, and the same if that was asked.
+    Rows(&'p [[f32; 4]], &'p [Pixel], &'p [Option<Hit>]),
 }
 
 /// Why a tile did not come to its end.
@@ -41,11 +58,18 @@ pub(super) enum Stop {
     Interrupted,
 }
 
-/// Paints one tile after another, and keeps its buffers.
+/// Paints one tile after another.
 pub(super) struct Painter<'a> {
     setting: Setting<'a>,
-    /// The places of a whole tile, in the order in which they are painted.
+    desk: Desk,
+}
+
+/// The buffers of a painter, which serve for one picture after another.
+#[derive(Debug, Default)]
+pub(super) struct Desk {
+    /// The places of a whole tile of this size, in the order in which they are painted.
     order: Vec<(u32, u32)>,
+    side: u32,
     pixels: Vec<Pixel>,
     /// Of each pixel, if pixels may need more samples than they begin with.
     spreads: Vec<Spread>,
@@ -61,47 +85,47 @@ pub(super) struct Painter<'a> {
     room: Room,
     work: Vec<u32>,
     scratch: Scratch,
-    camera_count: u64,
+    plain: Plain,
+    counts: RayCounts,
 }
 
 impl<'a> Painter<'a> {
-    pub(super) fn new(setting: Setting<'a>) -> Self {
-        Self {
-            setting,
-            order: along_z(setting.view.tile),
-            pixels: Vec::new(),
-            spreads: Vec::new(),
-            centres: Vec::new(),
-            active: Vec::new(),
-            keys: Vec::new(),
-            beams: Vec::new(),
-            seen: Seen::default(),
-            frame: Frame::new(setting.rays.projection()),
-            first_grid: 0,
-            room: Room::default(),
-            work: Vec::new(),
-            scratch: Scratch::default(),
-            camera_count: 0,
+    pub(super) fn new(setting: Setting<'a>, mut desk: Desk) -> Self {
+        let side = setting.view.tile;
+        if desk.side != side {
+            (desk.order, desk.side) = (along_z(side), side);
         }
+        desk.counts = RayCounts::default();
+        desk.scratch.forget_counts();
+        Self { setting, desk }
+    }
+
+    /// Its buffers, for another picture.
+    pub(super) fn leave(self) -> Desk {
+        self.desk
     }
 
     /// How many rays it has traced.
     pub(super) fn counts(&self) -> RayCounts {
-        let Scratch { reflected_count: reflected, .. } = self.scratch;
-        RayCounts { camera: self.camera_count, reflected, shadow: self.scratch.shadow_count() }
+        let Desk { counts, scratch, .. } = &self.desk;
+        let shadow = counts.shadow + scratch.shadow_count();
+        RayCounts { reflected: scratch.reflected_count, shadow, ..*counts }
     }
 
     /// Makes the pixels of a rectangle, in no order, and finds what the rays through their centres met if that is asked.
     ///
     /// # Errors
     /// The fault of the rectangle's lowest pixel that meets one; or the watch's wish.
-    pub(super) fn paint(&mut self, rect: &Rect) -> Result<(&[Pixel], &[Option<Hit>]), Stop> {
-        let order = std::mem::take(&mut self.order);
+    pub(super) fn paint(&mut self, rect: &Rect) -> Result<Painted<'_>, Stop> {
+        let order = std::mem::take(&mut self.desk.order);
         let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
         let result = self.run(*rect, inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)));
-        self.order = order;
+        self.desk.order = order;
         match result {
-            Ok(()) => Ok((&self.pixels, &self.centres)),
+            Ok(()) if self.setting.plain().is_some() => {
+                Ok(Painted::Rows(&self.desk.plain.colors, &self.desk.pixels, &self.desk.centres))
+            }
+            Ok(()) => Ok(Painted::Pixels(&self.desk.pixels, &self.desk.centres)),
             Err(Stop::Interrupted) => Err(Stop::Interrupted),
             Err(Stop::Fault(pixel, fault)) => Err(self.lowest(rect, pixel, fault)),
         }
@@ -121,18 +145,23 @@ impl<'a> Painter<'a> {
     }
 
     fn run(&mut self, rect: Rect, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
-        self.pixels.clear();
-        self.pixels.extend(places.map(Pixel::new));
-        self.active.clear();
-        self.active.extend(0..self.pixels.len() as u32);
-        let View { samples, most, layers, .. } = *self.setting.view;
-        self.spreads.clear();
-        if samples < most {
-            self.spreads.resize(self.pixels.len(), Spread::NONE);
+        if let Some((_, shadows)) = self.setting.plain() {
+            self.desk.centres.clear();
+            self.run_plain(rect, shadows)?;
+            return self.keep_plain_centres(places);
         }
-        self.centres.clear();
+        self.desk.pixels.clear();
+        self.desk.pixels.extend(places.map(Pixel::new));
+        self.desk.active.clear();
+        self.desk.active.extend(0..self.desk.pixels.len() as u32);
+        let View { samples, most, layers, .. } = *self.setting.view;
+        self.desk.spreads.clear();
+        if samples < most {
+            self.desk.spreads.resize(self.desk.pixels.len(), Spread::NONE);
+        }
+        self.desk.centres.clear();
         if layers {
-            self.centres.resize(self.pixels.len(), None);
+            self.desk.centres.resize(self.desk.pixels.len(), None);
         }
         if layers && samples > 1 {
             self.draw(rect, 0, &[DVec2::ZERO])?;
@@ -140,26 +169,68 @@ impl<'a> Painter<'a> {
         }
         let mut done = 0;
         let mut until = samples;
-        while done < until && !self.active.is_empty() {
+        while done < until && !self.desk.active.is_empty() {
             self.add_samples(rect, done, until)?;
             if until == most {
                 break;
             }
-            let (spreads, base) = (&self.spreads, done == 0);
-            self.active.retain(|slot| spreads[*slot as usize].needs_more(base));
+            let (spreads, base) = (&self.desk.spreads, done == 0);
+            self.desk.active.retain(|slot| spreads[*slot as usize].needs_more(base));
             done = until;
             until = until.saturating_mul(2).min(most);
         }
         Ok(())
     }
 
+    /// Draws and shades a rectangle that has one sample a pixel; what is not shaded plainly goes the way of all others.
+    fn run_plain(&mut self, rect: Rect, shadows: &Shadows) -> Result<(), Stop> {
+        self.draw(rect, 0, &[DVec2::ZERO])?;
+        let Desk { frame, plain, counts, .. } = &mut self.desk;
+        plain.shadow_count = 0;
+        plain.shade(frame, &self.setting, shadows);
+        let others = std::mem::take(&mut plain.others);
+        counts.camera += u64::from(rect.width) * u64::from(rect.height) - others.len() as u64;
+        counts.shadow += plain.shadow_count;
+        self.begin_batch();
+        for batch in others.chunks(BATCH) {
+            self.desk.pixels.clear();
+            for (slot, (column, row)) in batch.iter().enumerate() {
+                self.desk.pixels.push(Pixel::new((rect.x + column, rect.y + row)));
+                self.add_ray(slot as u32, 0, DVec2::ZERO);
+            }
+            self.flush()?;
+            let Desk { pixels, plain, .. } = &mut self.desk;
+            for (pixel, (column, row)) in pixels.iter().zip(batch) {
+                plain.colors[*row as usize * rect.width as usize + *column as usize] = pixel.color();
+            }
+        }
+        self.desk.plain.others = others;
+        Ok(())
+    }
+
+    /// Finds what the layers show of what was drawn and shaded plainly.
+    fn keep_plain_centres(&mut self, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
+        self.desk.pixels.clear();
+        self.desk.active.clear();
+        if self.setting.view.layers {
+            self.desk.pixels.extend(places.map(Pixel::new));
+            self.desk.active.extend(0..self.desk.pixels.len() as u32);
+            self.desk.centres.resize(self.desk.pixels.len(), None);
+            let counts = self.desk.counts;
+            self.look_through_centres()?;
+            // These samples were counted when they were shaded.
+            self.desk.counts = counts;
+        }
+        Ok(())
+    }
+
     /// Finds what the layers show. Where there is one sample a pixel, that one finds it.
     fn look_through_centres(&mut self) -> Result<(), Stop> {
-        for start in (0..self.active.len()).step_by(BATCH) {
-            let end = (start + BATCH).min(self.active.len());
+        for start in (0..self.desk.active.len()).step_by(BATCH) {
+            let end = (start + BATCH).min(self.desk.active.len());
             self.begin_batch();
             for number in start..end {
-                self.add_ray(self.active[number], 0, DVec2::ZERO);
+                self.add_ray(self.desk.active[number], 0, DVec2::ZERO);
             }
             self.look()?;
             self.keep_centres();
@@ -169,13 +240,13 @@ impl<'a> Painter<'a> {
 
     /// Draws the samples from this number on that lie at these offsets, if they are drawn.
     fn draw(&mut self, rect: Rect, first: u32, offsets: &[DVec2]) -> Result<(), Stop> {
-        let Some(scanner) = self.setting.scanner else { return Ok(()) };
+        let Some((scanner, _)) = self.setting.scanner else { return Ok(()) };
         if self.setting.watch.interrupted() {
             return Err(Stop::Interrupted);
         }
-        self.first_grid = first;
-        self.frame.clear(rect, offsets);
-        scanner.fill(&mut self.frame, &mut self.room);
+        self.desk.first_grid = first;
+        self.desk.frame.clear(self.setting.rays.projection(), rect, offsets);
+        scanner.fill(&mut self.desk.frame, &mut self.desk.room);
         Ok(())
     }
 
@@ -195,10 +266,10 @@ impl<'a> Painter<'a> {
     fn add_drawn(&mut self, from: u32, to: u32) -> Result<(), Stop> {
         let offsets = self.setting.offsets;
         self.begin_batch();
-        for number in 0..self.active.len() {
+        for number in 0..self.desk.active.len() {
             for (sample, offset) in (from..to).zip(&offsets[from as usize..to as usize]) {
-                self.add_ray(self.active[number], sample, *offset);
-                if self.keys.len() == BATCH {
+                self.add_ray(self.desk.active[number], sample, *offset);
+                if self.desk.keys.len() == BATCH {
                     self.flush()?;
                 }
             }
@@ -207,37 +278,45 @@ impl<'a> Painter<'a> {
     }
 
     fn begin_batch(&mut self) {
-        self.keys.clear();
-        self.beams.clear();
+        self.desk.keys.clear();
+        self.desk.beams.clear();
     }
 
     fn add_ray(&mut self, slot: u32, sample: u32, offset: DVec2) {
-        let pixel = self.pixels[slot as usize].place;
+        let pixel = self.desk.pixels[slot as usize].place;
         let at = DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset;
-        self.keys.push(Key { slot, pixel, sample });
-        self.beams.push(self.setting.rays.through(at.x, at.y));
+        self.desk.keys.push(Key { slot, pixel, sample });
+        self.desk.beams.push(self.setting.rays.through(at.x, at.y));
     }
 
     fn flush(&mut self) -> Result<(), Stop> {
         let setting = self.setting;
-        if self.keys.is_empty() {
+        if self.desk.keys.is_empty() {
             return Ok(());
         }
         if setting.view.heatmap {
             return self.flush_work();
         }
         self.look()?;
-        if setting.view.layers && setting.view.samples == 1 {
+        if setting.view.layers && setting.view.samples == 1 && setting.plain().is_none() {
             self.keep_centres();
         }
-        let shaded = setting.shader.shade(setting.tracer, &self.beams, &self.keys, &mut self.seen, &mut self.scratch);
+        let shaded = setting.shader.shade(
+            setting.tracer,
+            &self.desk.beams,
+            &self.desk.keys,
+            &mut self.desk.seen,
+            &mut self.desk.scratch,
+        );
         shaded.map_err(|fault| self.stop(fault))?;
-        for (key, color) in self.keys.iter().zip(&self.scratch.colors) {
-            self.pixels[key.slot as usize].add(*color);
+        for (key, color) in self.desk.keys.iter().zip(&self.desk.scratch.colors) {
+            self.desk.pixels[key.slot as usize].add(*color);
         }
-        if !self.spreads.is_empty() {
-            for ((key, color), fragments) in self.keys.iter().zip(&self.scratch.colors).zip(self.seen.rays()) {
-                self.spreads[key.slot as usize].add(*color, fragments.first(), setting.rays);
+        if !self.desk.spreads.is_empty() {
+            for ((key, color), fragments) in
+                self.desk.keys.iter().zip(&self.desk.scratch.colors).zip(self.desk.seen.rays())
+            {
+                self.desk.spreads[key.slot as usize].add(*color, fragments.first(), setting.rays);
             }
         }
         self.begin_batch();
@@ -247,9 +326,9 @@ impl<'a> Painter<'a> {
     /// Finds how much work the beams make. It stands for the colour until the most of it is known.
     fn flush_work(&mut self) -> Result<(), Stop> {
         self.count()?;
-        self.setting.tracer.work(&self.beams, &mut self.work).map_err(|fault| self.stop(fault))?;
-        for (key, work) in self.keys.iter().zip(&self.work) {
-            self.pixels[key.slot as usize].add([*work as f32, 0.0, 0.0, 1.0]);
+        self.setting.tracer.work(&self.desk.beams, &mut self.desk.work).map_err(|fault| self.stop(fault))?;
+        for (key, work) in self.desk.keys.iter().zip(&self.desk.work) {
+            self.desk.pixels[key.slot as usize].add([*work as f32, 0.0, 0.0, 1.0]);
         }
         self.begin_batch();
         Ok(())
@@ -260,31 +339,31 @@ impl<'a> Painter<'a> {
         if self.setting.watch.interrupted() {
             return Err(Stop::Interrupted);
         }
-        self.camera_count += self.beams.len() as u64;
+        self.desk.counts.camera += self.desk.beams.len() as u64;
         Ok(())
     }
 
     fn look(&mut self) -> Result<(), Stop> {
         self.count()?;
         if self.setting.scanner.is_none() {
-            return self.setting.tracer.look(&self.beams, &mut self.seen).map_err(|fault| self.stop(fault));
+            return self.setting.tracer.look(&self.desk.beams, &mut self.desk.seen).map_err(|fault| self.stop(fault));
         }
-        self.seen.clear();
-        for (key, beam) in self.keys.iter().zip(&self.beams) {
-            self.frame.see((key.sample - self.first_grid) as usize, key.pixel, beam, &mut self.seen);
+        self.desk.seen.clear();
+        for (key, beam) in self.desk.keys.iter().zip(&self.desk.beams) {
+            self.desk.frame.see((key.sample - self.desk.first_grid) as usize, key.pixel, beam, &mut self.desk.seen);
         }
         Ok(())
     }
 
     fn keep_centres(&mut self) {
         let forward = self.setting.rays.forward();
-        for ((key, fragments), beam) in self.keys.iter().zip(self.seen.rays()).zip(&self.beams) {
-            self.centres[key.slot as usize] = Hit::of(fragments, beam.ray.direction.dot(forward));
+        for ((key, fragments), beam) in self.desk.keys.iter().zip(self.desk.seen.rays()).zip(&self.desk.beams) {
+            self.desk.centres[key.slot as usize] = Hit::of(fragments, beam.ray.direction.dot(forward));
         }
     }
 
     fn stop(&self, fault: RayFault) -> Stop {
-        let pixel = self.keys.get(fault.ray).map_or((0, 0), |key| key.pixel);
+        let pixel = self.desk.keys.get(fault.ray).map_or((0, 0), |key| key.pixel);
         Stop::Fault(pixel, Box::new(fault.fault))
     }
 }

@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::frame::{Frame, Piece, Shape};
 use super::hull::{self, Hull, Registers};
 use super::materials::Materials;
 use super::model::Run;
+use super::projection::Projection;
 use super::solid::{self, Meeting};
 use super::tour::{Met, What};
 use super::triangle::{self, Seeing};
 use crate::form::PrimitiveKind;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, ConvexSet, Detail};
 use crate::mesh::Surface;
 use crate::trace::Bark;
 
@@ -23,8 +24,15 @@ pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Mat
         let material = met.look.material;
         let (shape, bark) = match met.what {
             What::Primitive(primitive, bark) => {
-                let rough = primitive.hull().and_then(|_| materials.rough(material)).cloned();
-                (Shape::Primitive(primitive.clone(), own_from_world, rough), bark)
+                let shape = match primitive.hull() {
+                    Some(set) => {
+                        let rough = materials.rough(material).cloned();
+                        let detail = detail(set, &met.world_from_own, frame.projection());
+                        Shape::Hull { primitive: primitive.clone(), own_from_world, detail, rough }
+                    }
+                    None => Shape::Primitive(primitive.clone(), own_from_world),
+                };
+                (shape, bark)
             }
             What::Surface(surface, _) => (Shape::Surface(Arc::clone(surface), own_from_world), None),
         };
@@ -45,7 +53,9 @@ pub(crate) fn draw(
     if let What::Primitive(primitive, _) = met.what
         && let Some(set) = primitive.hull()
     {
-        let hull = Hull { primitive, set, world_from_own: map, rough: materials.rough(met.look.material) };
+        let shown = set.shown(detail(set, map, frame.projection()));
+        let rough = materials.rough(met.look.material);
+        let hull = Hull { bounds: primitive.bounds(), shown, world_from_own: map, rough };
         return hull::draw(frame, registers, hull, meeting);
     }
     match met.what {
@@ -65,6 +75,20 @@ pub(crate) fn draw(
             is_seen
         }
     }
+}
+
+/// How much is seen of a hull: as much as the ray tracer's beams see that are a pixel wide.
+fn detail(set: &ConvexSet, world_from_own: &DAffine3, projection: &Projection) -> Detail {
+    if !set.has_levels() {
+        return Detail::WHOLE;
+    }
+    let own_from_world = world_from_own.inverse();
+    let width = if projection.parallel {
+        projection.pixel * own_from_world.transform_vector3(projection.forward).length()
+    } else {
+        projection.pixel * (own_from_world.transform_point3(projection.eye) - set.center()).length()
+    };
+    set.detail(width)
 }
 
 impl What<'_> {

@@ -5,39 +5,37 @@
 //! nearer than what is there, and says once what its surface is: a [`Piece`]. So what is hidden is never shaded, and whoever shades does not
 //! know who drew.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::outline::DOUBT;
-use super::projection::{Plane, Projection};
+use super::projection::{self, Projection};
 use super::tour::Look;
-use crate::geometry::{Primitive, Rind};
+use crate::geometry::{Detail, Plane, Primitive, Ray, Rind, Shown};
 use crate::mesh::Surface;
 use crate::picture::Rect;
 use crate::texture::Rough;
 use crate::trace::{Beam, Fragment, Painted, Seen};
 
 /// Depth and surface of every sample of a tile.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Frame {
     projection: Projection,
     rect: Rect,
     /// Where the samples of each grid lie, from the pixels' centres.
     offsets: Vec<DVec2>,
-    /// Grid by grid, row by row.
-    samples: Vec<Sample>,
+    /// What is nearest at each sample, grid by grid, row by row: its depth along the axis of view, which is infinite where nothing is
+    /// seen, its piece and the face of that.
+    depths: Vec<f64>,
+    marks: Vec<Mark>,
     pieces: Vec<Piece>,
 }
 
-/// What is nearest at a sample.
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    /// Along the axis of view; infinite where nothing is seen.
-    depth: f64,
-    piece: u32,
-    face: u32,
-}
+/// The number of a piece, and that of a face of it: as wide as a depth, so that the two are written side by side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Mark(pub(crate) u64);
 
 /// A surface that is drawn.
 #[derive(Clone, Debug)]
@@ -53,10 +51,19 @@ pub(crate) struct Piece {
 /// The form of a [`Piece`].
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// A primitive: normals are those of its faces, or of a carved surface.
-    Primitive(Primitive, Box<DAffine3>, Option<Arc<Rough>>),
+    /// A primitive: normals are those of its faces.
+    Primitive(Primitive, Box<DAffine3>),
+    /// What is seen of a hull: normals are those of its planes, or of a carved surface.
+    Hull { primitive: Primitive, own_from_world: Box<DAffine3>, detail: Detail, rough: Option<Arc<Rough>> },
     /// Triangles: normals lie between those of their corners.
     Surface(Arc<Surface>, Box<DAffine3>),
+}
+
+/// What is seen in a row of samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line<'f> {
+    depths: &'f [f64],
+    marks: &'f [Mark],
 }
 
 /// One grid of a frame, to be drawn into.
@@ -66,29 +73,37 @@ pub(crate) struct Grid<'f> {
     pub(crate) origin: DVec2,
     /// The pixels, in the whole picture.
     pub(crate) rect: Rect,
-    samples: &'f mut [Sample],
+    depths: &'f mut [f64],
+    marks: &'f mut [Mark],
 }
 
 /// So many pieces are few.
 const LEAST_PIECES: usize = 1024;
 
-const NOTHING: Sample = Sample { depth: f64::INFINITY, piece: 0, face: 0 };
-
 impl Frame {
-    /// A frame of no pixels.
-    pub(crate) fn new(projection: Projection) -> Self {
-        let rect = Rect { x: 0, y: 0, width: 0, height: 0 };
-        Self { projection, rect, offsets: Vec::new(), samples: Vec::new(), pieces: Vec::new() }
-    }
-
     /// Begins anew, with a grid for each of these offsets: nothing is seen yet.
-    pub(crate) fn clear(&mut self, rect: Rect, offsets: &[DVec2]) {
-        self.rect = rect;
+    pub(crate) fn clear(&mut self, projection: Projection, rect: Rect, offsets: &[DVec2]) {
+        (self.projection, self.rect) = (projection, rect);
         self.offsets.clear();
         self.offsets.extend_from_slice(offsets);
-        self.samples.clear();
-        self.samples.resize(rect.width as usize * rect.height as usize * offsets.len(), NOTHING);
+        let count = rect.width as usize * rect.height as usize * offsets.len();
+        self.depths.clear();
+        self.depths.resize(count, f64::INFINITY);
+        // Marks mean nothing where nothing is seen.
+        self.marks.resize(count, Mark::default());
         self.pieces.clear();
+    }
+
+    /// Its pixels, in the whole picture.
+    pub(crate) fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// A row of its first grid.
+    pub(crate) fn line(&self, row: usize) -> Line<'_> {
+        let width = self.rect.width as usize;
+        let run = row * width..(row + 1) * width;
+        Line { depths: &self.depths[run.clone()], marks: &self.marks[run] }
     }
 
     /// What it is seen by.
@@ -97,7 +112,7 @@ impl Frame {
     }
 
     /// The planes around what its samples may see.
-    pub(crate) fn planes(&self) -> [Plane; 5] {
+    pub(crate) fn planes(&self) -> [projection::Plane; 5] {
         let (low, high) = self.reach();
         self.projection.planes(low - DOUBT, high + DOUBT)
     }
@@ -124,13 +139,19 @@ impl Frame {
     /// The grid of this number.
     pub(crate) fn grid(&mut self, number: usize) -> Grid<'_> {
         let count = self.rect.width as usize * self.rect.height as usize;
-        let samples = &mut self.samples[number * count..(number + 1) * count];
-        Grid { origin: self.offsets[number] + 0.5, rect: self.rect, samples }
+        let run = number * count..(number + 1) * count;
+        let (depths, marks) = (&mut self.depths[run.clone()], &mut self.marks[run]);
+        Grid { origin: self.offsets[number] + 0.5, rect: self.rect, depths, marks }
     }
 
     /// The depths of all samples, grid by grid and row by row.
-    pub(crate) fn depths(&self) -> impl Iterator<Item = f64> {
-        self.samples.iter().map(|it| it.depth)
+    pub(crate) fn depths(&self) -> &[f64] {
+        &self.depths
+    }
+
+    /// All pieces, by number.
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
     }
 
     /// The number of the piece that is said next: samples may be given it before.
@@ -141,7 +162,7 @@ impl Frame {
     /// Says what the surface of the next number is.
     pub(crate) fn say(&mut self, piece: Piece) {
         self.pieces.push(piece);
-        if self.pieces.len() >= 2 * self.samples.len().max(LEAST_PIECES) {
+        if self.pieces.len() >= 2 * self.depths.len().max(LEAST_PIECES) {
             self.forget_hidden();
         }
     }
@@ -149,17 +170,18 @@ impl Frame {
     /// Forgets the pieces of which nothing is seen any more: at most one a sample is left.
     fn forget_hidden(&mut self) {
         const HIDDEN: u32 = u32::MAX;
-        let mut numbers = vec![HIDDEN; self.pieces.len()];
-        for sample in self.samples.iter().filter(|it| it.depth < f64::INFINITY) {
-            numbers[sample.piece as usize] = 0;
+        let Self { depths, marks, pieces, .. } = self;
+        let mut numbers = vec![HIDDEN; pieces.len()];
+        for (_, mark) in depths.iter().zip(&*marks).filter(|it| *it.0 < f64::INFINITY) {
+            numbers[mark.piece() as usize] = 0;
         }
         for (kept, number) in numbers.iter_mut().filter(|it| **it != HIDDEN).enumerate() {
             *number = kept as u32;
         }
         let mut is_seen = numbers.iter().map(|it| *it != HIDDEN);
-        self.pieces.retain(|_| is_seen.next().unwrap_or(false));
-        for sample in self.samples.iter_mut().filter(|it| it.depth < f64::INFINITY) {
-            sample.piece = numbers[sample.piece as usize];
+        pieces.retain(|_| is_seen.next().unwrap_or(false));
+        for (_, mark) in depths.iter().zip(marks).filter(|it| *it.0 < f64::INFINITY) {
+            *mark = Mark::new(numbers[mark.piece() as usize], mark.face());
         }
     }
 
@@ -167,15 +189,38 @@ impl Frame {
     pub(crate) fn see(&self, grid: usize, (x, y): (u32, u32), beam: &Beam, seen: &mut Seen) {
         let (width, height) = (self.rect.width as usize, self.rect.height as usize);
         let (column, row) = ((x - self.rect.x) as usize, (y - self.rect.y) as usize);
-        let sample = self.samples[(grid * height + row) * width + column];
-        if sample.depth < f64::INFINITY
-            && let Some(piece) = self.pieces.get(sample.piece as usize)
+        let sample = (grid * height + row) * width + column;
+        let (depth, mark) = (self.depths[sample], self.marks[sample]);
+        if depth < f64::INFINITY
+            && let Some(piece) = self.pieces.get(mark.piece() as usize)
         {
             // Depths are measured along the axis, and beams have directions of length 1.
-            let t = sample.depth / beam.ray.direction.dot(self.projection.forward);
-            piece.see(t, sample.face, beam, seen);
+            let t = depth / beam.ray.direction.dot(self.projection.forward);
+            piece.see(piece.shape.exactly(t, mark.face(), &beam.ray), mark.face(), beam, seen);
         }
         seen.end_ray();
+    }
+}
+
+impl Mark {
+    pub(crate) fn new(piece: u32, face: u32) -> Self {
+        Self(u64::from(face) << 32 | u64::from(piece))
+    }
+
+    pub(crate) fn piece(self) -> u32 {
+        self.0 as u32
+    }
+
+    pub(crate) fn face(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+}
+
+impl Line<'_> {
+    /// What is seen at a sample; `None` if that is nothing.
+    #[inline(always)]
+    pub(crate) fn mark(&self, column: usize) -> Option<Mark> {
+        (self.depths[column] < f64::INFINITY).then(|| self.marks[column])
     }
 }
 
@@ -183,17 +228,25 @@ impl Grid<'_> {
     /// Draws a face of a piece at a sample, if it is nearer than what is there; says whether it is.
     #[inline]
     pub(crate) fn put(&mut self, column: usize, row: usize, depth: f64, piece: u32, face: u32) -> bool {
-        let sample = &mut self.samples[row * self.rect.width as usize + column];
-        let is_nearer = depth > 0.0 && depth < sample.depth;
+        let sample = row * self.rect.width as usize + column;
+        let is_nearer = depth > 0.0 && depth < self.depths[sample];
         if is_nearer {
-            *sample = Sample { depth, piece, face };
+            (self.depths[sample], self.marks[sample]) = (depth, Mark::new(piece, face));
         }
         is_nearer
     }
 
+    /// The depths and the marks of a run of columns of a row.
+    #[inline(always)]
+    pub(crate) fn run(&mut self, row: usize, columns: Range<usize>) -> (&mut [f64], &mut [Mark]) {
+        let first = row * self.rect.width as usize;
+        let run = first + columns.start..first + columns.end;
+        (&mut self.depths[run.clone()], &mut self.marks[run])
+    }
+
     /// The depth of what is nearest at a sample so far; infinite if nothing is.
     pub(crate) fn depth(&self, column: usize, row: usize) -> f64 {
-        self.samples[row * self.rect.width as usize + column].depth
+        self.depths[row * self.rect.width as usize + column]
     }
 
     /// Where the sample of a column and a row of the rectangle lies in the picture.
@@ -205,6 +258,12 @@ impl Grid<'_> {
 }
 
 impl Piece {
+    /// The plane of a face, in its own frame, if it is flat.
+    pub(crate) fn plane(&self, face: u32) -> Option<(Plane, &DAffine3)> {
+        let Shape::Hull { own_from_world, rough: None, .. } = &self.shape else { return None };
+        Some((self.shape.shown()?.plane(face as usize)?, own_from_world))
+    }
+
     fn see(&self, t: f64, face: u32, beam: &Beam, seen: &mut Seen) {
         let position = beam.ray.at(t);
         let normal = self.shape.normal(position, face, beam);
@@ -229,19 +288,49 @@ fn painted(position: DVec3, frame_from_world: &DAffine3) -> Painted {
 }
 
 impl Shape {
+    /// The numbers of its faces are less than this, if they are told apart.
+    pub(crate) fn faces(&self) -> u32 {
+        self.shown().map_or(1, |it| it.count() as u32)
+    }
+
+    /// What is seen of it, if it is a hull.
+    fn shown(&self) -> Option<Shown<'_>> {
+        match self {
+            Self::Hull { primitive, detail, .. } => Some(primitive.hull()?.shown(*detail)),
+            Self::Primitive(..) | Self::Surface(..) => None,
+        }
+    }
+
+    /// Where a ray meets a face that it is known to meet at about this t: of a smooth hull, where it meets the plane of the face.
+    fn exactly(&self, t: f64, face: u32, ray: &Ray) -> f64 {
+        match self {
+            Self::Hull { own_from_world, rough: None, .. } => {
+                let plane = self.shown().and_then(|it| it.plane(face as usize));
+                plane.map_or(t, |it| it.met(&ray.mapped(own_from_world)))
+            }
+            Self::Hull { .. } | Self::Primitive(..) | Self::Surface(..) => t,
+        }
+    }
+
     fn own_from_world(&self) -> &DAffine3 {
         match self {
-            Self::Primitive(_, own_from_world, _) | Self::Surface(_, own_from_world) => own_from_world,
+            Self::Primitive(_, own_from_world)
+            | Self::Hull { own_from_world, .. }
+            | Self::Surface(_, own_from_world) => own_from_world,
         }
     }
 
     fn normal(&self, position: DVec3, face: u32, beam: &Beam) -> DVec3 {
         let (own, own_from_world, is_solid) = match self {
-            Self::Primitive(primitive, own_from_world, rough) => {
+            Self::Primitive(primitive, own_from_world) => {
                 let point = own_from_world.transform_point3(position);
-                let own = primitive.normal(point, face as u16);
-                let own = rough.as_ref().map_or(own, |it| it.normal(own, point));
-                (own, own_from_world, primitive.is_solid())
+                (primitive.normal(point, face as u16), own_from_world, primitive.is_solid())
+            }
+            Self::Hull { own_from_world, rough, .. } => {
+                let own = self.shown().map_or(DVec3::Z, |it| it.normal(face as u16));
+                let rough = rough.as_ref();
+                let own = rough.map_or(own, |it| it.normal(own, own_from_world.transform_point3(position)));
+                (own, own_from_world, true)
             }
             Self::Surface(surface, own_from_world) => {
                 let own = surface.normal(face as usize, own_from_world.transform_point3(position));
@@ -270,8 +359,8 @@ mod tests {
             pixel: 1.0,
             parallel: true,
         };
-        let mut frame = Frame::new(projection);
-        frame.clear(Rect { x: 0, y: 0, width: 3, height: 1 }, &[DVec2::ZERO]);
+        let mut frame = Frame::default();
+        frame.clear(projection, Rect { x: 0, y: 0, width: 3, height: 1 }, &[DVec2::ZERO]);
         let sphere = Primitive::new(PrimitiveKind::Sphere, &[]).expect("it is a primitive");
         let mut most = 0;
         for number in 0..10_000_u32 {
@@ -279,7 +368,7 @@ mod tests {
             let column = if number == 0 { 1 } else { 0 };
             assert!(frame.grid(0).put(column, 0, 20_000.0 - f64::from(number), piece, 0));
             let look = Look { material: None, world_from_paint: None, route: u64::from(number), origin: Origin::NONE };
-            let shape = Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY), None);
+            let shape = Shape::Primitive(sphere.clone(), Box::new(DAffine3::IDENTITY));
             frame.say(Piece { look, shape, rind: None });
             most = most.max(frame.pieces.len());
         }

@@ -55,6 +55,11 @@ impl Large {
         met.what.is_endless() || self.most.is_finite() && takes_rays(met) && size(&bounds(met)) > self.most
     }
 
+    /// Whether nothing is met by rays.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.alone.is_empty()
+    }
+
     /// Whether any of it is met by a ray that starts on a surface, where coordinates are as large as this.
     pub(crate) fn hides(&self, ray: &Ray, coordinates: f64) -> bool {
         self.alone.iter().any(|it| {

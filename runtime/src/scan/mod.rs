@@ -27,12 +27,12 @@ use crate::limits::Limits;
 use crate::mesh::{LeftOut, StemSurface};
 use crate::picture::Watch;
 
-pub(crate) use frame::Frame;
+pub(crate) use frame::{Frame, Mark, Piece};
 use hull::Registers;
 use materials::Materials;
 use model::Model;
-pub(crate) use projection::Projection;
-pub(crate) use shadow::Shadows;
+pub(crate) use projection::{Fan, Linear, Projection};
+pub(crate) use shadow::{MapLook, Shadows};
 use tour::Tour;
 
 /// What is kept from one tile to the next.

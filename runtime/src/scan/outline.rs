@@ -84,17 +84,43 @@ impl Outline {
 }
 
 impl Outline {
+    /// How wide it is, in pixels.
+    pub(crate) fn width(&self) -> f64 {
+        let (low, high) = self.columns_of_all();
+        high - low
+    }
+
+    /// The least and the greatest x.
+    pub(crate) fn columns_of_all(&self) -> (f64, f64) {
+        let Self::Corners(corners, _) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
+        let (low, high) =
+            corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it.x), high.max(it.x)));
+        (low - DOUBT, high + DOUBT)
+    }
+
+    /// The rows of a grid that it reaches.
+    pub(crate) fn rows_in(&self, grid: &Grid<'_>) -> Range<usize> {
+        between(self.rows(), grid.at(0, 0).y, grid.rect.height)
+    }
+
     /// Goes through the samples of a frame that lie in it: row by row, those in a run of columns.
     #[inline(always)]
     pub(crate) fn each_run(&self, frame: &mut Frame, mut draw: impl FnMut(&mut Grid<'_>, usize, Range<usize>)) {
         for number in 0..frame.grids() {
             let mut grid = frame.grid(number);
-            let first = grid.at(0, 0);
-            for row in between(self.rows(), first.y, grid.rect.height) {
-                let columns = between(self.columns(grid.at(0, row).y), first.x, grid.rect.width);
+            for row in self.rows_in(&grid) {
+                let columns = grid.columns(self.columns(grid.at(0, row).y));
                 draw(&mut grid, row, columns);
             }
         }
+    }
+}
+
+impl Grid<'_> {
+    /// The columns between two places.
+    #[inline(always)]
+    pub(crate) fn columns(&self, reach: (f64, f64)) -> Range<usize> {
+        between(reach, self.at(0, 0).x, self.rect.width)
     }
 }
 

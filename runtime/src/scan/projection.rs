@@ -1,14 +1,14 @@
 //! Where points of the world are in a picture, and how far away: the frame of reference of scan conversion.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use crate::geometry::{Aabb, Ray};
+use crate::geometry::{self, Aabb, Ray};
 
 /// A camera, or a sun that is looked from.
 ///
 /// Places in the picture are in pixels from its upper left corner, x to the right and y downwards. **Depths** are measured along the axis
 /// of view, from the eye: what lies at depth 0 or less is not seen.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Projection {
     /// Where the eye is.
     pub(crate) eye: DVec3,
@@ -43,6 +43,27 @@ impl Projection {
         } else {
             Ray { origin: self.eye, direction: self.forward + across }
         }
+    }
+
+    /// How long the directions of the rays through places side by side are, which get on by 1 along the axis; 1 where they are parallel.
+    #[inline(always)]
+    pub(crate) fn lengths<const N: usize>(&self, at: DVec2) -> [f64; N] {
+        let mut lengths = [1.0; N];
+        if !self.parallel {
+            let (across, down) = ((at.x - self.middle.x) * self.pixel, (at.y - self.middle.y) * self.pixel);
+            let row = 1.0 + down * down;
+            for (lane, length) in lengths.iter_mut().enumerate() {
+                let across = across + lane as f64 * self.pixel;
+                *length = (row + across * across).sqrt();
+            }
+        }
+        lengths
+    }
+
+    /// Of a parallel projection: the map from the world to places, whose third coordinate is the depth.
+    pub(crate) fn place_from_world(&self) -> DAffine3 {
+        let rows = DMat3::from_cols(self.right / self.pixel, -self.up / self.pixel, self.forward).transpose();
+        DAffine3::from_mat3_translation(rows, self.middle.extend(0.0) - rows * self.eye)
     }
 
     /// The ray through (0, 0), and by how much it changes a pixel to the right and a pixel down: exactly what [`Projection::ray`] gives, but
@@ -84,6 +105,75 @@ impl Projection {
     }
 }
 
+/// A number that is linear in the place in the picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Linear {
+    pub(crate) corner: f64,
+    pub(crate) across: f64,
+    pub(crate) down: f64,
+}
+
+impl Linear {
+    /// What it is at a place.
+    #[inline(always)]
+    pub(crate) fn at(&self, at: DVec2) -> f64 {
+        self.corner + self.down * at.y + self.across * at.x
+    }
+
+    /// How near the rays of a fan meet a plane: 1/t where they spread, -t where they are parallel. `None` if they do not meet it, seen edge-on.
+    pub(crate) fn of_plane(plane: &geometry::Plane, fan: &Fan) -> Option<Self> {
+        Some(PlaneSeen::new(plane, fan)).filter(|it| it.side() != 0.0).map(|it| it.nearness())
+    }
+}
+
+/// How a plane is seen by the rays of a fan.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneSeen {
+    /// How far the beginning of the ray through (0, 0) lies behind it.
+    distance: f64,
+    /// How fast that ray comes nearer to it, and by how much that, or the distance, changes from pixel to pixel.
+    speed: f64,
+    right: f64,
+    below: f64,
+    parallel: bool,
+}
+
+impl PlaneSeen {
+    #[inline(always)]
+    pub(crate) fn new(plane: &geometry::Plane, fan: &Fan) -> Self {
+        let geometry::Plane { normal, offset } = plane;
+        let Ray { origin, direction } = fan.corner;
+        Self {
+            distance: offset - normal.dot(origin),
+            speed: normal.dot(direction),
+            right: normal.dot(fan.across),
+            below: normal.dot(fan.down),
+            parallel: fan.parallel,
+        }
+    }
+
+    /// More than 0 if it is seen from behind, less if from in front, 0 if edge-on.
+    pub(crate) fn side(&self) -> f64 {
+        if self.parallel { self.speed } else { self.distance }
+    }
+
+    /// How near it is met: 1/t where rays spread, -t where they are parallel. What one divides by is the same for all rays.
+    pub(crate) fn nearness(&self) -> Linear {
+        let Self { distance, speed, right, below, .. } = *self;
+        if self.parallel {
+            Linear { corner: -distance / speed, across: right / speed, down: below / speed }
+        } else {
+            Linear { corner: speed / distance, across: right / distance, down: below / distance }
+        }
+    }
+
+    /// Of a plane seen edge-on: inside is where this is not negative.
+    pub(crate) fn inside(&self) -> Linear {
+        let Self { distance, speed, right, below, .. } = *self;
+        Linear { corner: if self.parallel { distance } else { -speed }, across: -right, down: -below }
+    }
+}
+
 /// The rays of a projection in some frame: linear in the place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fan {
@@ -110,6 +200,26 @@ impl Fan {
         let lengths = [direction, self.across, self.down].map(|it| it.abs().max_element());
         // There are at most 2^26 pixels, so nothing comes to much more than that many steps.
         lengths.iter().all(|it| (1e-20..1e20).contains(it)) && origin.abs().max_element() < 1e60
+    }
+
+    /// Where the rays through places side by side are at these depths: their coordinates, axis by axis.
+    #[inline(always)]
+    pub(crate) fn points<const N: usize>(&self, at: DVec2, depths: &[f64; N]) -> [[f64; N]; 3] {
+        let Ray { origin, direction } = self.corner;
+        let moved = self.across * at.x + self.down * at.y;
+        let mut points = [[0.0; N]; 3];
+        for (axis, points) in points.iter_mut().enumerate() {
+            let (start, way, step) = (origin[axis], direction[axis], self.across[axis]);
+            for lane in 0..N {
+                let moved = moved[axis] + step * lane as f64;
+                points[lane] = if self.parallel {
+                    (start + moved) + way * depths[lane]
+                } else {
+                    start + (way + moved) * depths[lane]
+                };
+            }
+        }
+        points
     }
 
     /// The ray through a place in the picture.

@@ -17,12 +17,12 @@ use super::frame::Frame;
 use super::hull::Registers;
 use super::large::Large;
 use super::model::Model;
-use super::projection::Projection;
+use super::projection::{Fan, Place, Projection};
 use super::solid::Meeting;
 use super::tour::Tour;
 use super::{Scanner, draw};
 use crate::fault::Fault;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Ray};
 use crate::picture::{Rect, Watch};
 use crate::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
 
@@ -33,6 +33,8 @@ const MOST_TEXELS: f64 = (1u32 << 25) as f64;
 const MOST_SIDE: f64 = 4096.0;
 /// How many texels lie side by side in a pixel of the picture, where that is near.
 const FINE: f64 = 2.0;
+/// Sizes of texels are whole powers of two to this.
+const ROUNDED: f64 = 0.5;
 /// How near what casts shadows is taken to be at least, as a part of how large all of it is.
 const AMONG: f64 = 0.1;
 /// How far a point may lie behind what is in the map without being in its shadow, in texels.
@@ -49,9 +51,22 @@ pub(crate) struct Shadows {
     eye: DVec3,
 }
 
+/// What a map is made for: of one scene, equal ones make equal maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wish {
+    /// Where the sun stands.
+    toward: DVec3,
+    /// How wide a texel is to be, and how many there are at most in a layer.
+    texel: f64,
+    most: f64,
+}
+
 /// The depths that a sun sees.
 #[derive(Debug)]
 struct Map {
+    wish: Wish,
+    /// Whether all of it was drawn.
+    is_whole: bool,
     projection: Projection,
     width: u32,
     height: u32,
@@ -59,6 +74,41 @@ struct Map {
     middles: Vec<f32>,
     /// Where it first comes out of something; empty if no ray asks that.
     ends: Vec<f32>,
+}
+
+/// A flat surface as it is looked up in a map.
+#[derive(Clone, Debug)]
+pub(crate) struct MapLook {
+    map: u32,
+    /// The rays by which the surface is seen, in places of the map.
+    fan: Fan,
+    slope: Slope,
+}
+
+/// How the depth of a plane changes around a place in a map.
+#[derive(Clone, Copy, Debug)]
+struct Slope {
+    across: f32,
+    down: f32,
+    /// By how much it is greater in each texel around the middle one, four in a row; in the fourth nothing is hidden.
+    around: [f32; 12],
+    /// How much of a rise is certain, and how far a point may lie behind what is in the map.
+    certain: f32,
+    bias: f32,
+}
+
+impl Slope {
+    fn new(slope: DVec2, pixel: f64) -> Self {
+        let DVec2 { x, y } = slope;
+        let rise = |texel: usize| x * (texel % 4) as f64 + y * (texel / 4) as f64 - x - y;
+        let mut around = [f32::NEG_INFINITY; 12];
+        for texel in (0..12).filter(|it| it % 4 != 3) {
+            around[texel] = rise(texel) as f32;
+        }
+        // A steep surface need not go on so far: it is not hidden by what is behind any of what it may be.
+        let certain = (STEEPEST * pixel / slope.length()).min(1.0) as f32;
+        Self { across: x as f32, down: y as f32, around, certain, bias: (BIAS * pixel) as f32 }
+    }
 }
 
 /// Which depths of a [`Map`] a point is compared with.
@@ -69,18 +119,66 @@ enum Layer {
 }
 
 impl Shadows {
-    /// The shadows of suns in these directions, for a picture that is seen so. If the watch wishes to stop, they are not whole.
-    pub(crate) fn new(scanner: &Scanner, suns: &[DVec3], seen: &Projection, watch: &dyn Watch) -> Self {
-        let large = Large::new(&scanner.model);
+    /// The shadows of suns in these directions, for a picture that is seen so. If the watch wishes to stop, they are not whole. `old` are
+    /// those of another picture of the same scene: maps that would come out the same are taken from there.
+    pub(crate) fn new(
+        scanner: &Scanner,
+        suns: &[DVec3],
+        seen: &Projection,
+        old: Option<Self>,
+        watch: &dyn Watch,
+    ) -> Self {
+        let (mut old, large) = old.map_or_else(|| (Vec::new(), Large::new(&scanner.model)), |it| (it.maps, it.large));
         let through = scanner.materials.are_translucent();
         let layers = suns.len().max(1) * if through { 2 } else { 1 };
         let most = MOST_TEXELS / layers as f64;
-        let maps =
-            suns.iter().filter_map(|it| Map::new((&scanner.model, &large), *it, seen, (most, through))).collect();
-        let mut shadows = Self { maps, large, eye: seen.eye };
-        let Self { maps, large, .. } = &mut shadows;
-        maps.iter_mut().for_each(|it| it.fill(scanner, large, watch));
-        shadows
+        let wanted = suns.iter().filter_map(|it| Some(Wish { toward: *it, texel: texel(&large.rest, seen)?, most }));
+        let maps = wanted.filter_map(|wish| {
+            if let Some(number) = old.iter().position(|it| it.wish == wish && it.is_whole) {
+                return Some(old.swap_remove(number));
+            }
+            let mut map = Map::new((&scanner.model, &large), wish, through)?;
+            map.fill(scanner, &large, watch);
+            Some(map)
+        });
+        Self { maps: maps.collect(), large, eye: seen.eye }
+    }
+
+    /// Whether anything is met by rays.
+    pub(crate) fn has_large(&self) -> bool {
+        !self.large.is_empty()
+    }
+
+    /// Whether anything that is met by rays throws its shadow on a point, as seen from there in this direction.
+    pub(crate) fn are_thrown_by_large(&self, point: DVec3, toward: DVec3) -> bool {
+        let coordinates = point.abs().max(self.eye.abs()).max_element();
+        self.large.hides(&Ray { origin: point, direction: toward }, coordinates)
+    }
+
+    /// How a flat surface with this normal, which a projection sees, is looked up in the map of the sun in a direction.
+    pub(crate) fn looking(&self, toward: DVec3, normal: DVec3, seen: &Projection) -> Option<MapLook> {
+        let number = self.nearest(toward)?;
+        let map = &self.maps[number];
+        let fan = seen.fan(&map.projection.place_from_world());
+        Some(MapLook { map: number as u32, fan, slope: Slope::new(map.slope(normal), map.projection.pixel) })
+    }
+
+    /// How much light comes to the points of such a surface at these depths, side by side from a place in the picture on.
+    #[inline(always)]
+    pub(crate) fn look_up<const N: usize>(&self, look: &MapLook, at: DVec2, depths: &[f64; N], lit: &mut [f32]) {
+        let map = &self.maps[look.map as usize];
+        let [xs, ys, zs] = look.fan.points(at, depths);
+        for (lane, lit) in lit.iter_mut().enumerate() {
+            let place = Place { at: DVec2::new(xs[lane], ys[lane]), depth: zs[lane] };
+            *lit = map.light(place, &look.slope, Layer::Middles);
+        }
+    }
+
+    /// The number of the map of the sun that stands nearest to a direction: of suns with a disc, beams go to any point of it.
+    fn nearest(&self, direction: DVec3) -> Option<usize> {
+        let toward = |map: &Map| -map.projection.forward.dot(direction);
+        let maps = self.maps.iter().enumerate();
+        maps.max_by(|a, b| toward(a.1).total_cmp(&toward(b.1))).map(|it| it.0)
     }
 
     /// How much light comes along a beam to a surface with this normal.
@@ -89,11 +187,11 @@ impl Shadows {
         if self.large.hides(&beam.ray, coordinates) {
             return 0.0;
         }
-        let toward = |map: &&Map| -map.projection.forward.dot(beam.ray.direction);
-        // Of suns with a disc, beams go to any point of it.
-        let nearest = self.maps.iter().max_by(|a, b| toward(a).total_cmp(&toward(b)));
+        let Some(map) = self.nearest(beam.ray.direction).map(|it| &self.maps[it]) else { return 1.0 };
         let (normal, layer) = if from.is_through() { (-normal, Layer::Ends) } else { (normal, Layer::Middles) };
-        nearest.map_or(1.0, |it| it.light(beam.ray.origin, normal, layer))
+        let place = map.projection.place(beam.ray.origin);
+        let slope = Slope::new(map.slope(normal), map.projection.pixel);
+        place.map_or(1.0, |it| f64::from(map.light(it, &slope, layer)))
     }
 }
 
@@ -141,19 +239,14 @@ fn see_nothing(rays: usize, seen: &mut Seen) {
 impl Map {
     /// A map of all that is not large, as seen from the sun, with so many texels at most in a layer; none if that is nothing. All depths are
     /// infinite. The layer of ends is there if rays go through things.
-    fn new(
-        (model, large): (&Model, &Large),
-        toward: DVec3,
-        seen: &Projection,
-        (most, through): (f64, bool),
-    ) -> Option<Self> {
-        let forward = -toward;
+    fn new((model, large): (&Model, &Large), wish: Wish, through: bool) -> Option<Self> {
+        let forward = -wish.toward;
         let (right, up) = forward.any_orthonormal_pair();
         let (low, high) = extent(model, large, &DMat3::from_cols(right, up, forward))?;
         let size = (high - low).truncate();
-        let wanted = texel(&large.rest, seen)?.max(size.max_element() / (MOST_SIDE - 4.0));
+        let wanted = wish.texel.max(size.max_element() / (MOST_SIDE - 4.0));
         // A product may be as large as its larger factor allows.
-        let texel = wanted.max((size.x * size.y / most).sqrt());
+        let texel = wanted.max((size.x * size.y / wish.most).sqrt());
         // A border of two texels all around: nothing casts shadows there.
         let [width, height] = [size.x, size.y].map(|it| (it / texel).ceil() as u32 + 4);
         let middle = (low + high) * 0.5;
@@ -169,7 +262,7 @@ impl Map {
         };
         let count = width as usize * height as usize;
         let [middles, ends] = [count, if through { count } else { 0 }].map(|it| vec![f32::INFINITY; it]);
-        projection.eye.is_finite().then_some(Self { projection, width, height, middles, ends })
+        projection.eye.is_finite().then_some(Self { wish, is_whole: false, projection, width, height, middles, ends })
     }
 
     /// Draws what the sun sees.
@@ -177,27 +270,40 @@ impl Map {
         let size = [self.width, self.height];
         draw_layer(&mut self.middles, size, &self.projection, Meeting::Middle, (scanner, large), watch);
         draw_layer(&mut self.ends, size, &self.projection, Meeting::End, (scanner, large), watch);
+        self.is_whole = !watch.interrupted();
     }
 
-    /// How much of its sun's light comes to a point of a surface.
-    fn light(&self, point: DVec3, normal: DVec3, layer: Layer) -> f64 {
-        let Some(place) = self.projection.place(point) else { return 1.0 };
-        let nearest = place.at.floor();
-        let slope = self.slope(normal);
-        let certain = (STEEPEST * self.projection.pixel / slope.length()).min(1.0);
-        let mut lit = 0;
-        for down in -1..=1 {
-            for across in -1..=1 {
-                let texel = nearest + DVec2::new(f64::from(across), f64::from(down));
-                // Where the plane of the surface is in the middle of the texel.
-                let rise = slope.dot(texel + 0.5 - place.at);
-                // A steep surface need not go on so far: it is not hidden by what is behind any of what it may be.
-                let plane = place.depth + rise.min(rise * certain);
-                let is_hidden = self.depth(texel, layer) < plane - BIAS * self.projection.pixel;
-                lit += u32::from(!is_hidden);
+    /// How much of its sun's light comes to a place of a surface with this slope.
+    #[inline(always)]
+    fn light(&self, place: Place, slope: &Slope, layer: Layer) -> f32 {
+        let DVec2 { x, y } = place.at;
+        // Nothing casts shadows on the border of two texels, nor beyond it.
+        if !(x >= 1.0 && y >= 1.0 && x < f64::from(self.width) - 2.0 && y < f64::from(self.height) - 1.0) {
+            return 1.0;
+        }
+        let (column, row, width) = (x as usize, y as usize, self.width as usize);
+        let depths = match layer {
+            Layer::Middles => &self.middles,
+            Layer::Ends => &self.ends,
+        };
+        let first = (row - 1) * width + column - 1;
+        let mut texels = [f32::INFINITY; 12];
+        for line in 0..3 {
+            if let Some(depths) = depths.get(first + line * width..first + line * width + 4) {
+                texels[line * 4..line * 4 + 4].copy_from_slice(depths);
             }
         }
-        f64::from(lit) / 9.0
+        // Where the plane of the surface is in the middle of each of them.
+        let (right, below) = ((column as f64 + 0.5 - x) as f32, (row as f64 + 0.5 - y) as f32);
+        let middle = slope.across * right + slope.down * below;
+        let nearest = place.depth as f32 - slope.bias;
+        let mut hidden = 0;
+        for (depth, around) in texels.iter().zip(&slope.around) {
+            let rise = middle + around;
+            let plane = nearest + rise.min(rise * slope.certain);
+            hidden += u32::from(*depth < plane);
+        }
+        1.0 - hidden as f32 / 9.0
     }
 
     /// By how much the depth of a plane grows from texel to texel.
@@ -211,22 +317,6 @@ impl Map {
         }
         slope * pixel
     }
-
-    /// What is in a texel; infinite outside of the map.
-    fn depth(&self, texel: DVec2, layer: Layer) -> f64 {
-        let is_inside =
-            texel.cmpge(DVec2::ZERO).all() && texel.x < f64::from(self.width) && texel.y < f64::from(self.height);
-        if !is_inside {
-            return f64::INFINITY;
-        }
-        let (x, y) = (texel.x as u32, texel.y as u32);
-        let depths = match layer {
-            Layer::Middles => &self.middles,
-            Layer::Ends => &self.ends,
-        };
-        let depth = depths.get(y as usize * self.width as usize + x as usize);
-        f64::from(depth.copied().unwrap_or(f32::INFINITY))
-    }
 }
 
 /// Draws where light meets things so, row by row; nothing if the layer is empty.
@@ -238,21 +328,21 @@ fn draw_layer(
     (scanner, large): (&Scanner, &Large),
     watch: &dyn Watch,
 ) {
-    let room = || (Frame::new(*projection), Tour::default(), Registers::default());
+    let room = || (Frame::default(), Tour::default(), Registers::default());
     let bands = depths.par_chunks_mut((ROWS * width) as usize).enumerate();
     bands.for_each_init(room, |(frame, tour, registers), (band, depths)| {
         if watch.interrupted() {
             return;
         }
         let y = band as u32 * ROWS;
-        frame.clear(Rect { x: 0, y, width, height: ROWS.min(height - y) }, &[DVec2::ZERO]);
+        frame.clear(*projection, Rect { x: 0, y, width, height: ROWS.min(height - y) }, &[DVec2::ZERO]);
         let planes = frame.planes();
         tour.go(&scanner.model, projection, &planes, |met| {
             if !large.has(&met) {
                 draw::draw(frame, registers, &scanner.materials, &met, meeting);
             }
         });
-        depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = from as f32);
+        depths.iter_mut().zip(frame.depths()).for_each(|(to, from)| *to = *from as f32);
     });
 }
 
@@ -275,11 +365,13 @@ fn extent(model: &Model, large: &Large, axes: &DMat3) -> Option<(DVec3, DVec3)> 
     low.cmple(high).all().then_some((low, high))
 }
 
-/// How wide a pixel is, as a part of [`FINE`], where what casts shadows is near; none if that is no length.
+/// How wide a pixel is, as a part of [`FINE`], where what casts shadows is near; none if that is no length. It is rounded, so that it stays
+/// the same while the eye moves a bit.
 fn texel(bounds: &Aabb, seen: &Projection) -> Option<f64> {
     let away = (seen.eye.clamp(bounds.min, bounds.max) - seen.eye).length();
     // Where the eye is among it, some of it is nearer, and most is not.
     let distance = away.max(AMONG * (bounds.max - bounds.min).length());
     let texel = if seen.parallel { seen.pixel } else { seen.pixel * distance } / FINE;
-    (texel > 0.0 && texel.is_finite()).then_some(texel)
+    let rounded = libm::exp2((libm::log2(texel) / ROUNDED).round() * ROUNDED);
+    (rounded > 0.0 && rounded.is_finite()).then_some(rounded)
 }

@@ -218,8 +218,8 @@ mod tests {
         let rect = Rect { x: 0, y: 0, width: 32, height: 32 };
         let mut counts = vec![0; 32 * 32];
         for triangle in triangles {
-            let mut frame = Frame::new(projection);
-            frame.clear(rect, &[offset]);
+            let mut frame = Frame::default();
+            frame.clear(projection, rect, &[offset]);
             let seeing = Seeing::new(&frame);
             draw(&mut frame, &seeing, &triangle.map(|it| seeing.corner(it)), 0);
             for (count, depth) in counts.iter_mut().zip(frame.depths()) {
@@ -295,14 +295,14 @@ mod tests {
         for parallel in [true, false] {
             let projection = from_above(40.0, parallel);
             let sheets: Vec<[DVec3; 3]> = lattice(4, 0.4, 9.0).into_iter().chain(lattice(3, 0.3, 20.0)).collect();
-            let mut frame = Frame::new(projection);
-            frame.clear(Rect { x: 0, y: 0, width: 32, height: 32 }, &[DVec2::new(0.11, 0.07)]);
+            let mut frame = Frame::default();
+            frame.clear(projection, Rect { x: 0, y: 0, width: 32, height: 32 }, &[DVec2::new(0.11, 0.07)]);
             let seeing = Seeing::new(&frame);
             for triangle in &sheets {
                 draw(&mut frame, &seeing, &triangle.map(|it| seeing.corner(it)), 0);
             }
             let mut met = 0;
-            for (number, depth) in frame.depths().enumerate() {
+            for (number, depth) in frame.depths().iter().enumerate() {
                 let at = DVec2::new((number % 32) as f64, (number / 32) as f64) + DVec2::new(0.61, 0.57);
                 let ray = projection.ray(at);
                 let hits = sheets.iter().filter_map(|[a, b, c]| {

@@ -39,12 +39,21 @@ struct Cube {
     /// Cells a metre.
     scale: f64,
     /// What the numbers of cells stand for. The first is for cells without a chunk.
-    palette: Vec<DVec4>,
+    palette: Vec<Texel>,
     /// The finest cells, x first.
     finest: Vec<u8>,
     /// Coarser cells, level by level, each of half as many a side as the one before.
-    levels: Vec<Vec<[f32; 4]>>,
+    coarse: Vec<Texel>,
+    /// Where the cells of each of these levels begin.
+    starts: Vec<usize>,
 }
+
+/// Red, green and blue, linear and times the cover, and the cover.
+pub(crate) type Texel = [f32; 4];
+
+/// A cube at work: cells that can be looked up.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cells<'c>(&'c Cube);
 
 /// Brightness of linear light, as eyes have it.
 const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
@@ -63,28 +72,38 @@ impl LazyCube {
         self.cube.get_or_init(|| Cube::new(&self.chunks, self.seed))
     }
 
+    /// Its cells, and how many of them there are on a metre.
+    pub(super) fn cells(&self) -> (Cells<'_>, f64) {
+        let cube = self.cube();
+        (Cells(cube), cube.scale)
+    }
+
     /// The colour at a point.
     pub(super) fn tint(&self, point: DVec3, footprint: &Footprint) -> Tint {
-        of_texel(self.cube().at(point, footprint))
+        let cube = self.cube();
+        of_texel(cube.at(point * cube.scale, cube.level(cube.width(footprint))))
     }
 
     /// The mean colour.
     pub(super) fn mean_tint(&self) -> Tint {
         let cube = self.cube();
-        of_texel(cube.texel(cube.levels.len(), [0; 3]))
+        of_texel(cube.texel(cube.levels(), [0; 3]))
     }
 
     /// The brightness at a point alone, at its finest.
     pub(super) fn value_at(&self, point: DVec3) -> f64 {
-        brightness(self.cube().between_cells(0, point))
+        let cube = self.cube();
+        brightness(cube.between_cells(0, point * cube.scale))
     }
 
     /// The brightness at a point, and how it grows.
     pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
         let cube = self.cube();
-        let bright = |point: DVec3| brightness(cube.at(point, footprint));
+        let width = cube.width(footprint);
+        let level = cube.level(width);
+        let bright = |point: DVec3| brightness(cube.at(point * cube.scale, level));
         // Over a cell as large as what is seen.
-        let step = 0.5 * libm::exp2(cube.level(footprint)) / cube.scale;
+        let step = 0.5 * width.clamp(1.0, cube.side as f64) / cube.scale;
         let slope = [DVec3::X, DVec3::Y, DVec3::Z]
             .map(|axis| (bright(point + axis * step) - bright(point - axis * step)) / (2.0 * step));
         Tone { value: bright(point), slope: DVec3::from_array(slope) }
@@ -93,37 +112,66 @@ impl LazyCube {
     /// The mean brightness.
     pub(super) fn mean(&self) -> f64 {
         let cube = self.cube();
-        brightness(cube.texel(cube.levels.len(), [0; 3]))
+        brightness(cube.texel(cube.levels(), [0; 3]))
     }
 }
 
-fn of_texel(texel: DVec4) -> Tint {
-    Tint { color: texel.truncate(), cover: texel.w }
+fn of_texel([red, green, blue, cover]: Texel) -> Tint {
+    let [red, green, blue, cover] = [red, green, blue, cover].map(f64::from);
+    Tint { color: DVec3::new(red, green, blue), cover }
 }
 
-fn brightness(texel: DVec4) -> f64 {
-    texel.truncate().dot(BRIGHTNESS)
+fn brightness(texel: Texel) -> f64 {
+    of_texel(texel).color.dot(BRIGHTNESS)
+}
+
+/// `a` and `b` mixed, with so much of `b`.
+#[inline(always)]
+fn mixed(a: Texel, b: Texel, part: f32) -> Texel {
+    let mut mixed = a;
+    for channel in 0..4 {
+        mixed[channel] += (b[channel] - a[channel]) * part;
+    }
+    mixed
+}
+
+impl Cells<'_> {
+    /// What is seen at a place, in cells, through a tent so many cells wide.
+    #[inline]
+    pub(crate) fn at(self, place: DVec3, width: f64) -> Texel {
+        let level = self.0.level(width);
+        self.0.at(place, level)
+    }
+}
+
+/// A level of a cube, and how much of the next coarser one is seen with it.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    fine: usize,
+    coarse: f32,
 }
 
 impl Cube {
     fn new(chunks: &Chunks, seed: u64) -> Self {
         let side = chunks.cube as usize;
-        let color = |it: &[f64; 3]| linear(DVec3::from_array(*it)).extend(1.0);
-        let palette: Vec<DVec4> = std::iter::once(DVec4::ZERO).chain(chunks.colors.iter().map(color)).collect();
+        let color = |it: &[f64; 3]| linear(DVec3::from_array(*it)).extend(1.0).as_vec4().to_array();
+        let palette: Vec<Texel> = std::iter::once([0.0; 4]).chain(chunks.colors.iter().map(color)).collect();
         let finest = finest(chunks, seed);
-        let mut cube = Self { side, scale: side as f64 / chunks.size, palette, finest, levels: Vec::new() };
+        let mut cube =
+            Self { side, scale: side as f64 / chunks.size, palette, finest, coarse: Vec::new(), starts: Vec::new() };
         let mut half = side / 2;
         while half > 0 {
             let level = cube.coarser(half);
-            cube.levels.push(level);
+            cube.starts.push(cube.coarse.len());
+            cube.coarse.extend(level);
             half /= 2;
         }
         cube
     }
 
     /// The level after the last one, of so many cells a side.
-    fn coarser(&self, side: usize) -> Vec<[f32; 4]> {
-        let below = self.levels.len();
+    fn coarser(&self, side: usize) -> Vec<Texel> {
+        let below = self.levels();
         let mut level = Vec::with_capacity(side * side * side);
         for z in 0..side {
             for y in 0..side {
@@ -131,7 +179,8 @@ impl Cube {
                     let mut sum = DVec4::ZERO;
                     for corner in 0..8 {
                         let at = |low: usize, bit: usize| 2 * low + (corner >> bit & 1);
-                        sum += self.texel(below, [at(x, 0), at(y, 1), at(z, 2)]);
+                        let texel = self.texel(below, [at(x, 0), at(y, 1), at(z, 2)]);
+                        sum += DVec4::from_array(texel.map(f64::from));
                     }
                     level.push((sum * 0.125).as_vec4().to_array());
                 }
@@ -141,58 +190,118 @@ impl Cube {
     }
 
     /// A cell of a level, the finest being 0.
-    #[inline]
-    fn texel(&self, level: usize, [x, y, z]: [usize; 3]) -> DVec4 {
+    #[inline(always)]
+    fn texel(&self, level: usize, [x, y, z]: [usize; 3]) -> Texel {
         let side = self.side >> level;
         let index = (z * side + y) * side + x;
         match level.checked_sub(1) {
             None => self.palette[usize::from(self.finest[index])],
-            Some(coarse) => DVec4::from_array(self.levels[coarse][index].map(f64::from)),
+            Some(coarse) => self.coarse[self.starts[coarse] + index],
         }
     }
 
-    /// The level whose cells are as wide as a footprint: they are seen through a tent, which has half their width as its deviation.
-    fn level(&self, footprint: &Footprint) -> f64 {
-        let width = 2.0 * footprint.deviation() * self.scale;
-        let most = self.levels.len() as f64;
-        if width.is_nan() { most } else { libm::log2(width.max(1.0)).min(most) }
+    /// How many levels there are besides the finest.
+    fn levels(&self) -> usize {
+        self.starts.len()
     }
 
-    /// What is seen at a point: between the cells of two levels.
-    fn at(&self, point: DVec3, footprint: &Footprint) -> DVec4 {
-        let level = self.level(footprint);
-        let (fine, rest) = (level as usize, level.fract());
-        let fine_texel = self.between_cells(fine, point);
-        if rest == 0.0 {
-            return fine_texel;
+    /// How wide a footprint is, in cells: they are seen through a tent, which has half their width as its deviation.
+    fn width(&self, footprint: &Footprint) -> f64 {
+        2.0 * footprint.deviation() * self.scale
+    }
+
+    /// The level whose cells are as wide as a footprint. Between two levels, as much is seen of each as the width is nearer to its cells.
+    #[inline(always)]
+    fn level(&self, width: f64) -> Level {
+        let most = self.levels();
+        if width.is_nan() {
+            return Level { fine: most, coarse: 0.0 };
         }
-        fine_texel + (self.between_cells(fine + 1, point) - fine_texel) * rest
+        // The exponent and the digits of a number between two powers of two are its logarithm, but for the curve between them.
+        let bits = width.max(1.0).to_bits();
+        let (fine, rest) = ((bits >> 52) as usize - 1023, bits & ((1 << 52) - 1));
+        if fine >= most {
+            return Level { fine: most, coarse: 0.0 };
+        }
+        Level { fine, coarse: (rest as f64 / (1_u64 << 52) as f64) as f32 }
+    }
+
+    /// What is seen at a place, in cells: between the cells of two levels.
+    #[inline(always)]
+    fn at(&self, place: DVec3, Level { fine, coarse }: Level) -> Texel {
+        let texel = self.between_cells(fine, place);
+        if coarse == 0.0 {
+            return texel;
+        }
+        mixed(texel, self.between_cells(fine + 1, place), coarse)
     }
 
     /// What lies between the middles of eight cells.
-    fn between_cells(&self, level: usize, point: DVec3) -> DVec4 {
-        let side = self.side >> level;
-        let cells = point * (self.scale / (1_u64 << level) as f64) - 0.5;
-        let low = cells.floor();
-        let part = cells - low;
-        let wrapped = |it: f64| {
-            let within = it.rem_euclid(side as f64);
-            // What is no number, or beyond all digits, has no place.
-            if within.is_finite() { (within as usize).min(side - 1) } else { 0 }
-        };
-        let [x, y, z] = low.to_array().map(wrapped);
-        let next = |it: usize| if it + 1 == side { 0 } else { it + 1 };
-        let along_x = |y: usize, z: usize| {
-            let (a, b) = (self.texel(level, [x, y, z]), self.texel(level, [next(x), y, z]));
-            a + (b - a) * part.x
-        };
-        let along_y = |z: usize| {
-            let (a, b) = (along_x(y, z), along_x(next(y), z));
-            a + (b - a) * part.y
-        };
-        let (a, b) = (along_y(z), along_y(next(z)));
-        a + (b - a) * part.z
+    #[inline(always)]
+    fn between_cells(&self, level: usize, place: DVec3) -> Texel {
+        let eight = Eight::new(self.side >> level, place * SHRINKING[level]);
+        match level.checked_sub(1).map(|it| self.starts[it]) {
+            None => eight.mixed(|it| self.palette[usize::from(self.finest[it])]),
+            Some(start) => eight.mixed(|it| self.coarse[start + it]),
+        }
     }
+}
+
+/// Eight cells of a level around a place.
+struct Eight {
+    /// The numbers of the four to the left, and by how much those to the right are greater.
+    cells: [usize; 4],
+    right: usize,
+    /// How far along each axis the place is between them.
+    part: [f32; 3],
+}
+
+impl Eight {
+    /// Those around a place in a cube of so many cells a side, a power of two.
+    #[inline(always)]
+    fn new(side: usize, place: DVec3) -> Self {
+        let last = side - 1;
+        let ((x, part_x), (y, part_y), (z, part_z)) = (split(place.x), split(place.y), split(place.z));
+        let (x, y, z) = (x & last, y & last, z & last);
+        let (back, above) = (((y + 1) & last) * side, ((z + 1) & last) * side * side);
+        let (y, z) = (y * side, z * side * side);
+        // It may be less.
+        let right = ((x + 1) & last).wrapping_sub(x);
+        Self {
+            cells: [z + y + x, z + back + x, above + y + x, above + back + x],
+            right,
+            part: [part_x, part_y, part_z],
+        }
+    }
+
+    /// What lies between them.
+    #[inline(always)]
+    fn mixed(&self, texel: impl Fn(usize) -> Texel) -> Texel {
+        let [x, y, z] = self.part;
+        let [a, b, c, d] = self.cells;
+        let a = mixed(texel(a), texel(a.wrapping_add(self.right)), x);
+        let b = mixed(texel(b), texel(b.wrapping_add(self.right)), x);
+        let c = mixed(texel(c), texel(c.wrapping_add(self.right)), x);
+        let d = mixed(texel(d), texel(d.wrapping_add(self.right)), x);
+        mixed(mixed(a, b, y), mixed(c, d, y), z)
+    }
+}
+
+/// By how much lengths shrink from the finest cells to those of each level.
+const SHRINKING: [f64; 9] =
+    [1.0, 1.0 / 2.0, 1.0 / 4.0, 1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
+
+/// Between which middles of cells a place along an axis lies: the number of the lower one, of which the last bits are right, and how far from
+/// there to the next. What is beyond all digits has no place.
+#[inline(always)]
+fn split(place: f64) -> (usize, f32) {
+    /// Numbers of this size have no digits behind the point, and the whole number stands in their last bits.
+    const WHOLE: f64 = (3_u64 << 51) as f64;
+    // A middle lies half a cell in. The nearest number to what is another half less is the one below; just in a middle it may be the one before,
+    // and the part is 1.
+    let shifted = (place - 1.0) + WHOLE;
+    let low = shifted - WHOLE;
+    (shifted.to_bits() as usize, ((place - 0.5) - low) as f32)
 }
 
 /// The finest cells: blocks of random places and sizes, laid one over the other.

@@ -12,7 +12,7 @@ mod fourier;
 mod rough;
 mod tiles;
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 
 use self::cube::LazyCube;
 use self::fbm::Octaves;
@@ -21,6 +21,7 @@ use self::tiles::Tiles;
 use crate::eval::mix;
 use crate::form::{Pattern, Texture};
 
+pub(crate) use cube::Cells;
 pub use cube::Tint;
 pub use decode::{BadPicture, decode_png};
 pub use footprint::Footprint;
@@ -155,6 +156,16 @@ impl Field {
         };
         let tint = cube.tint((point - self.offset) * self.shrink, &footprint.scaled(self.shrink));
         Some(if tint.color.is_finite() { tint } else { cube.mean_tint() })
+    }
+
+    /// If it has colours that take the place of what it is on: its cells, and how points are mapped to places in them.
+    pub(crate) fn cells(&self) -> Option<(Cells<'_>, DAffine3)> {
+        let Waves::Chunks(cube) = &self.waves else {
+            return None;
+        };
+        let (cells, scale) = cube.cells();
+        let shrink = self.shrink * scale;
+        Some((cells, DAffine3::from_mat3_translation(DMat3::from_diagonal(shrink), -self.offset * shrink)))
     }
 
     /// The mean of that colour over space.

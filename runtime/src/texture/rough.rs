@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use super::{Field, Footprint};
 use crate::form::{Fbm, Material, MaterialId, Pattern, Texture};
-use crate::geometry::{Chord, ConvexSet, Crossing, Ray};
+use crate::geometry::{Chord, Crossing, Ray, Shown};
 
 /// How a surface is carved.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl Rough {
     }
 
     /// What is left of the piece of a line inside a set: from where it first comes into the carved solid to where it last goes out.
-    pub(crate) fn left(&self, set: &ConvexSet, line: &Ray, chord: Chord) -> Option<Chord> {
+    pub(crate) fn left(&self, set: &Shown<'_>, line: &Ray, chord: Chord) -> Option<Chord> {
         let (near, far) = (chord.near.t, chord.far.t);
         if !(near.is_finite() && far.is_finite()) {
             return Some(chord);
@@ -76,7 +76,7 @@ impl Rough {
     }
 
     /// Where a line on its way from a place on the set's surface to another first comes to a point of the carved solid.
-    fn entry(&self, set: &ConvexSet, line: &Ray, from: f64, to: f64) -> Option<f64> {
+    fn entry(&self, set: &Shown<'_>, line: &Ray, from: f64, to: f64) -> Option<f64> {
         let length = (to - from).abs() * line.direction.length();
         let steps = (length / self.depth * STEPS_A_DEPTH).ceil().clamp(1.0, MOST_STEPS);
         let at = |number: u32| from + (to - from) * (f64::from(number) / steps);
@@ -94,7 +94,7 @@ impl Rough {
     }
 
     /// Whether a point belongs to the carved solid.
-    fn holds(&self, set: &ConvexSet, point: DVec3) -> bool {
+    fn holds(&self, set: &Shown<'_>, point: DVec3) -> bool {
         let below = set.depth(point);
         // So deep down nothing is carved away.
         below >= self.depth || below >= self.depth * self.noise.at(point, &Footprint::POINT).value.clamp(0.0, 1.0)

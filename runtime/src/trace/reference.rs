@@ -426,7 +426,7 @@ impl Walk<'_, '_> {
             if let Some(set) = primitive.hull().filter(|_| !here.frozen && from.is_none())
                 && let Some(rough) = self.roughs.of(here.material)
             {
-                chords = chords.into_iter().filter_map(|it| rough.left(set, &here.ray, it)).collect();
+                chords = chords.into_iter().filter_map(|it| rough.left(&set.whole(), &here.ray, it)).collect();
             }
             line.inside = Intervals::of_chords(&chords, |it| self.surface((primitive, rind), origin, here, it.face));
         } else if let Some(crossing) = primitive.crossing(&here.ray, from) {

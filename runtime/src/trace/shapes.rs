@@ -57,8 +57,13 @@ pub(crate) fn parts(
     taker: &mut impl Taker,
 ) -> Result<(), Fault> {
     if graph.shape(shape).splitting.is_some() {
-        let normals = Deriver::new(graph, seed, limits).normals(shape, env, &mut Solids(taker))?;
-        return taker.hull(hull(graph, shape, &normals)?);
+        let mut deriver = Deriver::new(graph, seed, limits);
+        let (normals, family) = deriver.normals_and_family(shape, env, &mut Solids(taker))?;
+        let hull = hull(graph, shape, &normals)?;
+        if limits.lod > 0.0 {
+            return taker.hull(Hull { primitive: hull.primitive.with_levels(&family, limits.lod), ..hull });
+        }
+        return taker.hull(hull);
     }
     let list = Deriver::new(graph, seed, limits).derive(shape, env, &mut Solids(taker))?;
     let mut joints = Joints::default();

@@ -171,6 +171,9 @@ pub(super) struct Girth {
 }
 
 impl Girth {
+    /// No more than a line.
+    pub(super) const NONE: Self = Self { width: 0.0, spread: 0.0 };
+
     /// Of a beam.
     pub(super) fn of(beam: &Beam) -> Self {
         Self { width: beam.width, spread: beam.spread }

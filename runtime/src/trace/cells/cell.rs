@@ -15,7 +15,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Chords, Convex, ConvexSet, Primitive, Ray, Relief};
+use crate::geometry::{Aabb, Chords, Convex, ConvexSet, Primitive, Ray, Relief, Shown};
 use crate::texture::Rough;
 use crate::trace::{Bark, Route};
 
@@ -237,17 +237,23 @@ impl Cell {
 
     /// The face that a line meets at t, for a mark that does not tell the faces of a convex set apart.
     pub(super) fn face(
-        &self,
-        leaf: &Leaf,
+        shown: Option<Shown<'_>>,
         marked: u8,
         rough: Option<&Rough>,
         line: impl FnOnce() -> (Ray, f64),
     ) -> u16 {
-        let Some(set) = self.set(leaf) else {
+        let Some(shown) = shown else {
             return u16::from(marked);
         };
         let (line, t) = line();
-        if rough.is_some() { set.nearest_face(line.at(t)) } else { set.face_at(&line, t) }
+        if rough.is_some() { shown.nearest_face(line.at(t)) } else { shown.face_at(&line, t) }
+    }
+
+    /// What is seen of a leaf that is a convex set, by a beam whose width at a point of its frame is this.
+    #[inline(always)]
+    pub(super) fn shown(&self, leaf: &Leaf, width: impl FnOnce(DVec3) -> f64) -> Option<Shown<'_>> {
+        let set = self.set(leaf)?;
+        Some(if set.has_levels() { set.shown(set.detail(width(set.center()))) } else { set.whole() })
     }
 
     /// A leaf that is a convex set.

@@ -211,7 +211,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
         let (depth, found) = (ask.best, ask.found);
         let cell = self.cell(&self.generation)?;
         let mut resolver = Resolver::of_cell(self.tracing.store, &self.generation, cell, &self.way);
-        resolver.see(notes, &Hit { ray, depth, found, number: 0 }, Some(self.measuring), seen)?;
+        resolver.see(notes, &Hit { ray, girth, depth, found, number: 0 }, Some(self.measuring), seen)?;
         seen.end_ray();
         Ok(())
     }

@@ -272,7 +272,16 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
                 self.look_out(&packet[number], from[number], seen)
             } else {
                 let (depth, found) = ask.found(number);
-                self.see(&Hit { ray: &packet[number].ray, number: number as u8, depth, found }, seen)
+                self.see(
+                    &Hit {
+                        ray: &packet[number].ray,
+                        girth: Girth::of(&packet[number]),
+                        number: number as u8,
+                        depth,
+                        found,
+                    },
+                    seen,
+                )
             };
             looked.map_err(|fault| RayFault { ray: number, fault })?;
         }
@@ -300,7 +309,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         if over {
             return self.look_out(beam, from, seen);
         }
-        self.see(&Hit { ray: &beam.ray, number: 0, depth, found }, seen)
+        self.see(&Hit { ray: &beam.ray, girth: Girth::of(beam), number: 0, depth, found }, seen)
     }
 
     /// How many cells a beam goes through.
@@ -340,7 +349,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let asked = self.ask_out(beam, from, &mut notes);
         self.notes = notes;
         let (depth, found) = asked?;
-        self.see(&Hit { ray: &beam.ray, number: NO_RAY, depth, found }, seen)
+        self.see(&Hit { ray: &beam.ray, girth: Girth::of(beam), number: NO_RAY, depth, found }, seen)
     }
 
     fn ask_out(&mut self, beam: &Beam, from: Option<&Site>, notes: &mut Notes) -> Result<(f64, Found), Fault> {

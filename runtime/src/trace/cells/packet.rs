@@ -15,7 +15,7 @@ use super::store::{Generation, led_by};
 use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at, rough_set};
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
-use crate::geometry::Pierced;
+use crate::geometry::{Pierced, Shown};
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
 use crate::trace::{Beam, Site};
 
@@ -629,7 +629,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         for ray in lanes_of(frame.starting & rays) {
             if frame.from[ray] == leaf.part {
                 let face = self.ask.from[ray].map(|it| it.face);
-                if is_left(cell, leaf, &frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start(), face) {
+                let local = frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start();
+                if is_left(cell, leaf, &local, self.ask.girth(ray), face) {
                     rays &= !(1 << ray);
                 } else {
                     apart |= 1 << ray;
@@ -645,8 +646,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             LeafShape::Hull(_) if together != 0 => {
                 if rough_set(&self.tracing.store.roughs, cell, leaf, frame.way.paint).is_some() {
                     apart = rays;
-                } else if let Some(set) = cell.set(leaf) {
-                    apart |= self.convex(leaf, set, together);
+                } else if let Some((shown, alike)) = self.shown(cell, leaf, together) {
+                    apart |= together & !alike;
+                    apart |= self.convex(leaf, &shown, alike);
                 }
             }
             LeafShape::Convex(_) | LeafShape::Hull(_) => {}
@@ -655,6 +657,23 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         if apart != 0 {
             self.leaf_apart(cell, leaf, apart);
         }
+    }
+
+    /// What the first of some beams sees of a leaf that is a convex set, and which of them see the same.
+    #[inline(always)]
+    fn shown<'c>(&self, cell: &'c Cell, leaf: &Leaf, rays: u32) -> Option<(Shown<'c>, u32)> {
+        let set = cell.set(leaf)?;
+        if !set.has_levels() {
+            return Some((set.whole(), rays));
+        }
+        let frame = self.scratch.last()?;
+        let detail = |ray: usize| {
+            let local = frame.rays.local[ray / EIGHT].ray(ray % EIGHT);
+            set.detail(local.width_at(self.ask.girth(ray), &leaf.leaf_from_cell, set.center()))
+        };
+        let first = detail(rays.trailing_zeros() as usize);
+        let alike = lanes_of(rays).filter(|it| detail(*it) == first).fold(0, |bits, it| bits | 1 << it);
+        Some((set.shown(first), alike))
     }
 
     /// What rays meet of a convex leaf; gives those that have to ask one by one.

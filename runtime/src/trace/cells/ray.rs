@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use pulp::{Simd, f64x8};
 
+use super::ask::Girth;
 use crate::abstraction;
 use crate::geometry::{Aabb, Lines, Ray};
 use crate::lanes::{EIGHT, One, Wide, Wide3};
@@ -161,6 +162,14 @@ impl Local {
     pub(super) fn counted_from_start(&self) -> Self {
         let start = self.own(0.0);
         Self { origin: self.origin + self.direction * start, offset: 0.0, ..*self }
+    }
+
+    /// How wide a beam along it is at a point in the frame of a primitive, in the lengths of that: as wide as at the distance of the point from
+    /// where it starts.
+    pub(super) fn width_at(&self, girth: Girth, primitive_from_own: &DAffine3, point: DVec3) -> f64 {
+        let line = self.line(primitive_from_own);
+        let start = line.at(self.own(0.0));
+        girth.width * line.direction.length() * self.inverse_scale + girth.spread * (start - point).length()
     }
 
     /// The length in an outer frame of what is 1 long along this ray.

@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
 use super::ROOT;
-use super::ask::{Found, Mark, Notes};
+use super::ask::{Found, Girth, Mark, Notes};
 use super::cell::{Cell, ENDED, Grain, Leaf, Named, PART, Part};
 use super::ending::{Ending, solid};
 use super::measure::Measuring;
@@ -18,13 +18,14 @@ use super::store::{Generation, Store};
 use super::traverse::rough_set;
 use crate::fault::Fault;
 use crate::form::MaterialId;
-use crate::geometry::Ray;
+use crate::geometry::{Ray, Shown};
 use crate::texture::Rough;
 use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
 /// A hit as a search leaves it.
 pub(super) struct Hit<'r> {
     pub(super) ray: &'r Ray,
+    pub(super) girth: Girth,
     /// The ray's number in its packet.
     pub(super) number: u8,
     pub(super) depth: f64,
@@ -325,10 +326,14 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 let rough = if place.frozen || part.frozen {
                     None
                 } else {
-                    rough_set(&self.store.roughs, cell, leaf, place.material).map(|it| it.1)
+                    rough_set(&self.store.roughs, cell, leaf, place.material)
                 };
-                let face = cell.face(leaf, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
-                let outwards = self.normal(place, cell, (leaf, face), rough, hit);
+                let girth = if place.frozen || part.frozen { Girth::NONE } else { hit.girth };
+                let shown =
+                    cell.shown(leaf, |center| self.local(place, hit.ray).width_at(girth, &leaf.leaf_from_cell, center));
+                let face =
+                    Cell::face(shown, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
+                let outwards = self.normal(place, cell, (leaf, face), (shown, rough), hit);
                 let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
                 (if turned { -outwards } else { outwards }, 0.0, face)
             }
@@ -403,7 +408,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         place: &Place,
         cell: &Cell,
         (leaf, face): (&Leaf, u16),
-        rough: Option<&Rough>,
+        (shown, rough): (Option<Shown<'_>>, Option<&Rough>),
         hit: &Hit,
     ) -> DVec3 {
         let normal = cell.with_primitive(leaf, |primitive| {
@@ -412,7 +417,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             } else {
                 point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth)
             };
-            let normal = primitive.normal(point, face);
+            let normal = shown.map_or_else(|| primitive.normal(point, face), |it| it.normal(face));
             rough.map_or(normal, |it| it.normal(normal, point))
         });
         let normal = leaf.leaf_from_cell.matrix3.transpose() * normal;

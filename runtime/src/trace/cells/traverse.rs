@@ -4,7 +4,7 @@
 //! is in. Only cells that are not kept, and Booleans, call for a search inside the search.
 
 use super::ROOT;
-use super::ask::{Ask, Event, Mark, NONE, Question, Veil};
+use super::ask::{Ask, Event, Girth, Mark, NONE, Question, Veil};
 use super::boolean::{Pieces, Place};
 use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
 use super::cell::{Boolean, Cell, ENDED, Grain, Instance, Leaf, LeafShape, Named, Ref};
@@ -14,7 +14,7 @@ use super::ray::Local;
 use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Side};
+use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Shown, Side};
 use crate::lanes::{Kernel, One};
 use crate::texture::{Rough, Roughs};
 use crate::trace::Site;
@@ -446,35 +446,43 @@ pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, pas
     if leaf.part == passage.from {
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
         let ray = passage.ray.counted_from_start();
-        if !is_left(cell, leaf, &ray, ask.start_face()) {
+        if !is_left(cell, leaf, &ray, ask.girth, ask.start_face()) {
             meet_primitive(ask, cell, leaf, passage.trail, &ray, ask.start_face());
         }
     } else if passage.from != NONE && ask.goes_through() && cell.is_one(passage.from, leaf.part) {
         // It belongs to what the light goes through.
-    } else if let Some((set, rough)) = rough_set(roughs, cell, leaf, passage.paint) {
-        meet_rough(ask, rough, set, leaf, passage);
+    } else if let Some((shown, rough)) = rough_set(roughs, cell, leaf, passage.paint)
+        .and_then(|it| Some((shown(cell, leaf, &passage.ray, ask.girth)?, it)))
+    {
+        meet_rough(ask, rough, &shown, leaf, passage);
     } else {
         meet_leaf(ask, cell, leaf, passage.trail, &passage.ray);
     }
 }
 
-/// A leaf as a convex set, and how its surface is carved, if it is. `paint` is what is on the way to its cell.
+/// How the surface of a leaf is carved, if it is a convex set and is carved. `paint` is what is on the way to its cell.
 #[inline(always)]
 pub(super) fn rough_set<'c>(
     roughs: &'c Roughs,
     cell: &'c Cell,
     leaf: &Leaf,
     paint: Option<MaterialId>,
-) -> Option<(&'c ConvexSet, &'c Rough)> {
-    let set = cell.set(leaf)?;
+) -> Option<&'c Rough> {
+    cell.set(leaf)?;
     let own = cell.parts.get(leaf.part as usize).and_then(|it| it.material);
-    Some((set, roughs.of(own.or(paint))?))
+    Some(roughs.of(own.or(paint))?)
+}
+
+/// What a beam sees of a leaf that is a convex set.
+#[inline(always)]
+pub(super) fn shown<'c>(cell: &'c Cell, leaf: &Leaf, ray: &Local, girth: Girth) -> Option<Shown<'c>> {
+    cell.shown(leaf, |center| ray.width_at(girth, &leaf.leaf_from_cell, center))
 }
 
 /// What a carved set says to the question.
 #[cold]
 #[inline(never)]
-fn meet_rough(ask: &mut Ask, rough: &Rough, set: &ConvexSet, leaf: &Leaf, passage: &Passage) {
+fn meet_rough(ask: &mut Ask, rough: &Rough, set: &Shown<'_>, leaf: &Leaf, passage: &Passage) {
     let ray = &passage.ray;
     let line = ray.line(&leaf.leaf_from_cell);
     if let Some(chord) = set.chord(&line, None).and_then(|it| rough.left(set, &line, it)) {
@@ -486,22 +494,31 @@ fn meet_rough(ask: &mut Ask, rough: &Rough, set: &ConvexSet, leaf: &Leaf, passag
 
 /// Whether a ray that starts on a leaf will not meet it again.
 #[inline(always)]
-pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, face: Option<u16>) -> bool {
+pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, girth: Girth, face: Option<u16>) -> bool {
     let line = || ray.line(&leaf.leaf_from_cell);
     match (leaf.shape, face) {
         (_, Some(Site::THROUGH)) => true,
-        (LeafShape::Hull(_), Some(face)) => cell.set(leaf).is_some_and(|it| it.is_left_by(face, &line())),
+        (LeafShape::Hull(_), Some(face)) => shown(cell, leaf, ray, girth).is_some_and(|it| {
+            let line = line();
+            it.normal(face_started_on(cell, leaf, &it, &line, face)).dot(line.direction) > 0.0
+        }),
         (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &line()),
         (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
     }
 }
 
+/// The face that a ray starts on, of those that it sees: it may see other ones than the ray that found the place.
+fn face_started_on(cell: &Cell, leaf: &Leaf, shown: &Shown<'_>, line: &Ray, face: u16) -> u16 {
+    let has_levels = cell.set(leaf).is_some_and(ConvexSet::has_levels);
+    if has_levels { shown.nearest_face(line.origin) } else { face }
+}
+
 #[inline(always)]
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
     let lines = || ray.lines(&leaf.leaf_from_cell);
-    let pieces = match (leaf.shape, cell.set(leaf)) {
+    let pieces = match (leaf.shape, shown(cell, leaf, ray, ask.girth)) {
         (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
-        (LeafShape::Hull(_), Some(set)) if ray.is_tame() => set.pieces(One::new(), &lines()),
+        (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.pieces(One::new(), &lines()),
         (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => {
             return meet_primitive(ask, cell, leaf, trail, ray, None);
         }
@@ -527,6 +544,13 @@ fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Loc
         let mark = Mark { trail, part: leaf.part, face: leaf.marked(face) };
         Event { t: ray.world(t), mark, flipped: false }
     };
+    if let Some(shown) = shown(cell, leaf, ray, ask.girth) {
+        let from = from.map(|it| face_started_on(cell, leaf, &shown, &line, it));
+        if let Some(chord) = shown.chord(&line, from) {
+            ask.meet(event(chord.near.t, 0), Some(event(chord.far.t, 0)));
+        }
+        return;
+    }
     if leaf.solid {
         let relief = cell.relief(leaf);
         if let Some(relief) = &relief

@@ -1,0 +1,43 @@
+//! What benches share: programs, and processor time.
+
+use std::error::Error;
+use std::path::Path;
+
+use treegen_compiler::{Compiled, Loaded, NoFiles, Options, Setting, compile, show};
+use treegen_runtime::form::Scene;
+
+/// The scene of a program that uses no other files.
+pub(crate) fn scene(file: &Path, settings: &[Setting]) -> Result<Scene, Box<dyn Error>> {
+    let text = std::fs::read_to_string(file)?;
+    let main = Loaded { name: file.display().to_string(), text };
+    let options = Options { settings: settings.to_vec(), ..Options::default() };
+    let Compiled { scene, problems, sources, .. } = compile(main, &NoFiles, &options);
+    scene.ok_or_else(|| show(&problems, &sources, false).into())
+}
+
+/// The result of some work, and the processor time that this thread took for it, in seconds.
+#[cfg(unix)]
+pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    use nix::time::{ClockId, clock_gettime};
+    let now = || {
+        clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)
+            .map_or(f64::NAN, |it| std::time::Duration::from(it).as_secs_f64())
+    };
+    let before = now();
+    let result = work();
+    (result, now() - before)
+}
+
+/// The result of some work, and the time it took, in seconds: that of the processor is not known here.
+#[cfg(not(unix))]
+pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = std::time::Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// A value for a parameter, as `name=value`.
+pub(crate) fn setting(text: &str) -> Result<Setting, String> {
+    let (name, value) = text.split_once('=').ok_or("write a name, `=` and a value")?;
+    Ok(Setting { name: name.to_owned(), value: value.to_owned() })
+}

@@ -1,0 +1,174 @@
+//! Trees of planes: which of many planes come near a place, and which face nearly the same way, without a look at all of them.
+
+use glam::DVec3;
+
+use super::convex_set::Plane;
+
+/// A binary tree over planes by where their normals point.
+#[derive(Debug)]
+pub(super) struct PlaneTree<'p> {
+    planes: &'p [Plane],
+    /// The numbers of the planes, so that those below a node stand side by side.
+    order: Vec<u32>,
+    // Invariant: the first node is the root; children stand after their parent.
+    nodes: Vec<Node>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// A box around the normals, and the least offset.
+    low: DVec3,
+    high: DVec3,
+    offset: f64,
+    /// The planes below, by their places in the order.
+    first: u32,
+    end: u32,
+    /// The two nodes below, if it was split.
+    below: Option<[u32; 2]>,
+}
+
+/// So many planes are not split.
+const FEW: usize = 8;
+/// More than the error of a scalar product of numbers that are not greater than 1, in parts of their size.
+const ROUNDING: f64 = 1e-14;
+
+impl Node {
+    /// At least what any of its normals makes with a vector.
+    fn most_along(&self, vector: DVec3) -> f64 {
+        let most = (self.low * vector).max(self.high * vector).element_sum();
+        most + ROUNDING * vector.abs().element_sum()
+    }
+}
+
+impl<'p> PlaneTree<'p> {
+    pub(super) fn new(planes: &'p [Plane]) -> Self {
+        let mut tree = Self { planes, order: Vec::new(), nodes: Vec::new() };
+        let mut order: Vec<u32> = (0..planes.len() as u32).collect();
+        if !planes.is_empty() {
+            tree.split(&mut order, 0);
+        }
+        tree.order = order;
+        tree
+    }
+
+    /// Adds the tree over some planes, and gives its root. It is halved each time, so it is not deep.
+    fn split(&mut self, order: &mut [u32], first: u32) -> u32 {
+        let planes = self.planes;
+        let normal = |it: u32| planes[it as usize].normal;
+        let (low, high) = order.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), it| {
+            (low.min(normal(*it)), high.max(normal(*it)))
+        });
+        let offset = order.iter().map(|it| planes[*it as usize].offset).fold(f64::INFINITY, f64::min);
+        let number = self.nodes.len() as u32;
+        let end = first + order.len() as u32;
+        self.nodes.push(Node { low, high, offset, first, end, below: None });
+        if order.len() > FEW {
+            let axis = (high - low).max_position();
+            let half = order.len() / 2;
+            order.select_nth_unstable_by(half, |a, b| normal(*a)[axis].total_cmp(&normal(*b)[axis]).then(a.cmp(b)));
+            let (lower, upper) = order.split_at_mut(half);
+            let below = [self.split(lower, first), self.split(upper, first + half as u32)];
+            self.nodes[number as usize].below = Some(below);
+        }
+        number
+    }
+
+    fn planes_of(&self, node: &Node) -> &[u32] {
+        &self.order[node.first as usize..node.end as usize]
+    }
+
+    /// The numbers of all planes that a ball is not wholly behind, in order, and maybe some more.
+    pub(super) fn near(&self, center: DVec3, radius: f64, found: &mut Vec<u32>) {
+        found.clear();
+        let mut ahead = vec![0_u32];
+        while let Some(node) = ahead.pop().and_then(|it| self.nodes.get(it as usize)) {
+            let room = ROUNDING * (node.offset.abs() + radius);
+            if node.most_along(center) + room < node.offset - radius {
+                continue;
+            }
+            match node.below {
+                Some(below) => ahead.extend(below),
+                None => found.extend(self.planes_of(node)),
+            }
+        }
+        found.sort_unstable();
+    }
+
+    /// The numbers of so many planes, at most, that face most nearly the way of one of them, that one not among them: those of the least angle
+    /// first, and of those with one angle the first.
+    pub(super) fn facing(&self, number: usize, count: usize) -> Vec<usize> {
+        let way = self.planes[number].normal;
+        let mut best: Vec<(f64, usize)> = Vec::with_capacity(count + 1);
+        let mut ahead = vec![0_u32];
+        while let Some(node) = ahead.pop().and_then(|it| self.nodes.get(it as usize)) {
+            let least = if best.len() == count { best[count - 1].0 } else { f64::NEG_INFINITY };
+            if node.most_along(way) < least {
+                continue;
+            }
+            if let Some([a, b]) = node.below {
+                // The nearer one is the next.
+                let a_is_nearer = self.nodes[a as usize].most_along(way) > self.nodes[b as usize].most_along(way);
+                ahead.extend(if a_is_nearer { [b, a] } else { [a, b] });
+                continue;
+            }
+            for other in self.planes_of(node).iter().map(|it| *it as usize).filter(|it| *it != number) {
+                let facing = self.planes[other].normal.dot(way);
+                let place = best.partition_point(|it| it.0 > facing || (it.0 == facing && it.1 < other));
+                if place < count {
+                    best.insert(place, (facing, other));
+                    best.truncate(count);
+                }
+            }
+        }
+        best.into_iter().map(|it| it.1).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn planes(count: u32) -> Vec<Plane> {
+        let number = |it: u32| f64::from(it.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 23) - 1.0;
+        let plane = |it: u32| {
+            let normal = DVec3::new(number(3 * it), number(3 * it + 1), number(3 * it + 2) + 0.1).normalize();
+            Plane { normal, offset: 1.0 + 0.3 * number(7 * it + 5) }
+        };
+        // Some of them twice, so that angles are equal.
+        (0..count).map(|it| plane(it - it / 9 % 2)).collect()
+    }
+
+    #[test]
+    fn those_that_face_the_same_way_are_those_that_sorting_finds() {
+        for count in [1, 2, 30, 500] {
+            let planes = planes(count);
+            let tree = PlaneTree::new(&planes);
+            for number in (0..count as usize).step_by(7) {
+                let mut sorted: Vec<usize> = (0..count as usize).filter(|it| *it != number).collect();
+                let facing = |it: usize| planes[it].normal.dot(planes[number].normal);
+                sorted.sort_by(|a, b| facing(*b).total_cmp(&facing(*a)).then(a.cmp(b)));
+                sorted.truncate(24);
+                assert_eq!(tree.facing(number, 24), sorted, "{count} {number}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_plane_that_cuts_a_ball_is_left_out_and_few_others_are_there() {
+        let planes = planes(4000);
+        let tree = PlaneTree::new(&planes);
+        let (mut found, mut cut, mut told) = (Vec::new(), 0, 0);
+        for number in 0..200 {
+            let (center, radius) = (planes[number].normal * 0.8, 0.05);
+            tree.near(center, radius, &mut found);
+            assert!(found.is_sorted());
+            let cuts = |it: &Plane| it.normal.dot(center) - it.offset + radius > 0.0;
+            for (number, _) in planes.iter().enumerate().filter(|it| cuts(it.1)) {
+                assert!(found.binary_search(&(number as u32)).is_ok());
+                cut += 1;
+            }
+            told += found.len();
+        }
+        assert!(cut > 0 && told < 200 * 1000, "{cut} {told}");
+    }
+}

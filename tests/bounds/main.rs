@@ -126,6 +126,52 @@ fn no_point_of_a_fractal_terrain_is_outside_its_bounds() {
     assert!(seen.points > 20_000 && seen.exact > 2_000, "{seen:?}");
 }
 
+/// Terrain that lies far away, and stands on corners in all three directions.
+const FAR: &str = "csg Far(order = 7) {
+  fn shift(p) = rand((p.x, p.y)) - .4;
+  fn middle(p, q, delta) = mix(p, q, .5) + (0, 0, shift(mix(p, q, .5)) * delta);
+  start T((300, 200, 1000), (301, 200, 1000.3), (300, 201, 999.9), order, .5);
+  T(a, b, c, n, delta) if n == 0 -> matrix(b.x - a.x, c.x - a.x, 0, a.x,
+                                           b.y - a.y, c.y - a.y, 0, a.y,
+                                           b.z - a.z, c.z - a.z, 1, a.z) triangle;
+  T(a, b, c, n, delta) -> Four(a, b, c, middle(b, c, delta), middle(c, a, delta), middle(a, b, delta), n - 1, delta / 2);
+  Four(a, b, c, bc, ca, ab, n, delta) -> T(a, ab, ca, n, delta) | T(ab, b, bc, n, delta)
+                                       | T(ca, bc, c, n, delta) | T(bc, ca, ab, n, delta);
+}
+scene { show Far(); }";
+
+#[test]
+fn no_point_of_a_terrain_far_away_is_outside_its_bounds() {
+    let seen = look_at_many(FAR, &[], 40, 8);
+    assert!(seen.points > 2_000 && seen.exact > 100, "{seen:?}");
+}
+
+/// Of the states on the ways of some derivations, how large loose boxes are in parts of the boxes around what is really there, at
+/// most.
+fn looseness(text: &str, settings: &[(&str, &str)]) -> f64 {
+    let (scene, limits) = (scene(text, settings), Limits::default());
+    let (boxes, expander) = (Boxes::new(&scene, &limits).unwrap(), Expander::new(&scene, &limits));
+    let mut dice = Dice(7);
+    let mut most: f64 = 0.0;
+    for _ in 0..6 {
+        for stop in follow(&expander, boxes.root(), &mut dice).unwrap() {
+            let (loose, exact) = (boxes.loose(&stop.state).unwrap(), boxes.exact(&stop.state).unwrap());
+            most = most.max((loose.max - loose.min).max_element() / (exact.max - exact.min).max_element());
+        }
+    }
+    most
+}
+
+#[test]
+fn loose_boxes_of_terrain_are_not_much_too_large() {
+    // With its corners as ranges alone, or with the heights of all levels taken together, they were ten times as large.
+    let far = looseness(FAR, &[]);
+    assert!(far < 3.0, "{far}");
+    let painted = include_str!("../../examples/carpenter.tg").replace("scale(10, 10, 6) ", "");
+    let island = looseness(&painted, &[("Carpenter.order", "9"), ("Carpenter.island", "false"), ("sea", "-9")]);
+    assert!(island < 3.0, "{island}");
+}
+
 /// The loose box of a scene is at least this and at most a little more.
 fn assert_box(text: &str, min: [f64; 3], max: [f64; 3]) {
     let (scene, limits) = (scene(text, &[]), Limits::default());

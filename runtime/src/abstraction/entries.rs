@@ -1,5 +1,6 @@
 //! The entries of a graph, S-nodes and systems, with the nodes between each and the next ones.
 
+use super::cycles;
 use super::measures::Measures;
 use crate::form::{Graph, Node, NodeId, SelectId, Shape, SystemId};
 use crate::trace::Entry;
@@ -90,6 +91,21 @@ impl Entries {
             self.nodes[number].iter().for_each(|it| systems[it.0 as usize] = Some(system));
         }
         Measures::of(graph, |node| systems.get(node).copied().flatten())
+    }
+
+    /// For each entry, whether it leads back to itself.
+    pub(crate) fn that_come_back(&self) -> Vec<bool> {
+        let count = self.count();
+        // What goes round forwards goes round backwards. One node more leads to all of them.
+        let next = |node: u32, edge: usize| match self.callers.get(node as usize) {
+            Some(callers) => callers.get(edge).map(|it| *it as u32),
+            None => (edge < count).then_some(edge as u32),
+        };
+        let mut found: Vec<bool> = self.callers.iter().enumerate().map(|(it, callers)| callers.contains(&it)).collect();
+        for circle in cycles::components(count + 1, count as u32, next).iter().filter(|it| it.len() > 1) {
+            circle.iter().for_each(|it| found[*it as usize] = true);
+        }
+        found
     }
 
     /// For each entry, whether a shape lies below it.

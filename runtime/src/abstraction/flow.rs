@@ -48,6 +48,8 @@ pub(crate) struct Flow {
     bears: Vec<bool>,
     /// Whether a shape may lead to each entry.
     borne: Vec<bool>,
+    /// Whether each entry leads back to itself.
+    comes_back: Vec<bool>,
 }
 
 impl Flow {
@@ -67,7 +69,8 @@ impl Flow {
             })
             .collect();
         let (bears, borne) = (entries.with_shapes_below(&graph), entries.below_shapes(&graph));
-        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed, bears, borne };
+        let comes_back = entries.that_come_back();
+        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed, bears, borne, comes_back };
         flow.mark_discrete();
         flow
     }
@@ -110,6 +113,11 @@ impl Flow {
     /// Whether a shape may lead to an entry, with any values.
     pub(crate) fn is_borne(&self, entry: Entry) -> bool {
         self.borne[self.entries.number(entry)]
+    }
+
+    /// Whether an entry leads back to itself, with any values.
+    pub(crate) fn comes_back(&self, entry: Entry) -> bool {
+        self.comes_back[self.entries.number(entry)]
     }
 
     /// Marks the entries from which slots that are data can be reached.

@@ -7,6 +7,8 @@
 use glam::{DAffine3, DVec3};
 use smallvec::{SmallVec, smallvec};
 
+use super::anchored::{ANCHORS, Anchored};
+use super::loose::Loose;
 use super::range::Range;
 use super::value::Abstract;
 use crate::form::{BinaryOp, Code, Op, PrimitiveKind, Reg, Slot, TransformKind, UnaryOp, Value};
@@ -22,7 +24,8 @@ type Symbol = (Slot, u8, u32);
 #[derive(Clone, Debug)]
 struct Form {
     constant: Range,
-    terms: SmallVec<[(Symbol, f64, Range); 4]>,
+    /// Multiples of symbols, and what is known of each of these.
+    terms: SmallVec<[(Symbol, f64, Anchored); 4]>,
     /// The magnitudes of all that was added, what has cancelled included.
     size: f64,
 }
@@ -36,8 +39,9 @@ impl Form {
         Self { constant, terms: SmallVec::new(), size: constant.magnitude() }
     }
 
-    fn symbol(symbol: Symbol, range: Range) -> Self {
-        Self { constant: Range::at(0.0), terms: smallvec![(symbol, 1.0, range)], size: range.magnitude() }
+    fn symbol(symbol: Symbol, value: Anchored) -> Self {
+        let size = value.size.max(value.rest.magnitude());
+        Self { constant: Range::at(0.0), terms: smallvec![(symbol, 1.0, value)], size }
     }
 
     fn exact(&self) -> Option<f64> {
@@ -57,7 +61,7 @@ impl Form {
     }
 
     fn scaled(&self, factor: f64) -> Option<Self> {
-        let terms = self.terms.iter().map(|(symbol, it, range)| (*symbol, it * factor, *range)).collect();
+        let terms = self.terms.iter().map(|(symbol, it, value)| (*symbol, it * factor, *value)).collect();
         Some(Self { constant: self.constant.multiply(Range::at(factor))?, terms, size: self.size * factor.abs() })
     }
 
@@ -69,14 +73,24 @@ impl Form {
         }
     }
 
-    /// What it may come to.
+    /// What it may come to; none if that depends on an anchor.
     fn range(&self) -> Option<Range> {
-        let mut sum = self.constant;
-        for (_, factor, range) in &self.terms {
-            sum = sum.add(range.multiply(Range::at(*factor))?)?;
+        let (factors, range) = self.near_anchors()?;
+        (factors == [0.0; ANCHORS]).then_some(range)
+    }
+
+    /// So many times each anchor, and what it may come to without these.
+    fn near_anchors(&self) -> Option<([f64; ANCHORS], Range)> {
+        let (mut factors, mut sum) = ([0.0; ANCHORS], self.constant);
+        for (_, factor, value) in &self.terms {
+            sum = sum.add(value.rest.multiply(Range::at(*factor))?)?;
+            if !value.is_plain() {
+                *factors.get_mut(usize::from(value.anchor))? += factor * value.factor;
+            }
         }
         let room = ROUNDING * self.size;
-        sum.add(Range::between(-room, room)).filter(|it| it.is_finite())
+        let range = sum.add(Range::between(-room, room)).filter(|it| it.is_finite())?;
+        Some((factors, range))
     }
 }
 
@@ -128,20 +142,19 @@ fn load(slots: &[Abstract], slot: Slot, time: u32) -> Option<Held> {
     if value.as_ranges().is_some() {
         return Some(Held::Vector(slot));
     }
-    let range = value.as_range()?;
-    Some(Held::Number(match range.exact() {
-        Some(number) => Form::at(number),
-        None => Form::symbol((slot, 0, time), range),
-    }))
+    Some(Held::Number(form_of((slot, 0, time), value.as_anchored()?)))
 }
 
 fn part_of(slots: &[Abstract], slot: Slot, part: usize, time: u32) -> Option<Form> {
-    let ranges = slots.get(usize::from(slot.0))?.as_ranges()?;
-    let range = *ranges.parts().get(part)?;
-    Some(match range.exact() {
-        Some(number) => Form::at(number),
-        None => Form::symbol((slot, part as u8 + 1, time), range),
-    })
+    let parts = slots.get(usize::from(slot.0))?.as_anchored_parts()?;
+    Some(form_of((slot, part as u8 + 1, time), *parts.get(part)?))
+}
+
+fn form_of(symbol: Symbol, value: Anchored) -> Form {
+    match value.rest.exact() {
+        Some(number) if value.is_plain() => Form::at(number),
+        _ => Form::symbol(symbol, value),
+    }
 }
 
 /// A map from an inner frame to an outer one whose numbers are linear forms: three columns, and where the origin goes.
@@ -212,20 +225,28 @@ impl LinearMap {
         Some(outer)
     }
 
-    /// A box around a primitive in the outer frame, if it is one with corners: they are carried there one by one.
-    pub(crate) fn bounds(&self, kind: PrimitiveKind) -> Option<Aabb> {
+    /// Bounds of a primitive in the outer frame, if it is one with corners: they are carried there one by one.
+    pub(crate) fn bounds(&self, kind: PrimitiveKind) -> Option<Loose> {
         let mut bounds = Aabb::EMPTY;
+        let mut shift = None;
         for corner in corners(kind)? {
             let place = self.vector(&corner.map(Form::at))?;
             let mut ranges = [Range::at(0.0); 3];
-            for ((range, part), origin) in ranges.iter_mut().zip(&place).zip(&self.0[3]) {
-                *range = part.plus(origin)?.range()?;
+            let mut moves = [[0.0; ANCHORS]; 3];
+            for (axis, (part, origin)) in place.iter().zip(&self.0[3]).enumerate() {
+                (moves[axis], ranges[axis]) = part.plus(origin)?.near_anchors()?;
+            }
+            // What anchors move as a whole stays what it is.
+            if *shift.get_or_insert(moves) != moves {
+                return None;
             }
             let min = DVec3::from_array(ranges.map(Range::low));
             let max = DVec3::from_array(ranges.map(Range::high));
             bounds = bounds.union(&Aabb { min, max });
         }
-        Some(bounds)
+        let shift = shift.unwrap_or_default();
+        let by = |anchor: usize| DVec3::from_array(shift.map(|it| it[anchor]));
+        Some(Loose::of_box(bounds).shifted(std::array::from_fn(by)))
     }
 }
 

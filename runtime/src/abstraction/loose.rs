@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::anchored::ANCHORS;
 use super::profile::{Profile, Tilt, stretch};
 use super::range::Range;
 use super::step::{Step, Way};
@@ -20,7 +21,12 @@ pub(crate) struct Loose {
     center: DVec3,
     radius: f64,
     profile: Profile,
+    /// How far all of it moves as each anchor grows by 1; what is known of it is where it is with all of them at 0.
+    shift: [DVec3; ANCHORS],
 }
+
+/// What is where it is.
+const UNMOVED: [DVec3; ANCHORS] = [DVec3::ZERO; ANCHORS];
 
 /// More than what rounding moves a bound by in one step outwards, in parts of its size and of its distance.
 const ROUNDING: f64 = 1e-13;
@@ -33,6 +39,7 @@ impl Loose {
         center: DVec3::ZERO,
         radius: f64::NEG_INFINITY,
         profile: Profile::EMPTY,
+        shift: UNMOVED,
     };
     /// Of anything.
     pub(crate) const ALL: Self = Self {
@@ -41,6 +48,7 @@ impl Loose {
         center: DVec3::ZERO,
         radius: f64::INFINITY,
         profile: Profile::ALL,
+        shift: UNMOVED,
     };
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -53,10 +61,17 @@ impl Loose {
         }
         let profile = Profile::of_box(&bounds);
         if !bounds.is_finite() {
-            return Self { bounds, finite: Aabb::EMPTY, center: DVec3::ZERO, radius: f64::INFINITY, profile };
+            return Self {
+                bounds,
+                finite: Aabb::EMPTY,
+                center: DVec3::ZERO,
+                radius: f64::INFINITY,
+                profile,
+                shift: UNMOVED,
+            };
         }
         let (center, half) = (bounds.min * 0.5 + bounds.max * 0.5, bounds.max * 0.5 - bounds.min * 0.5);
-        Self { bounds, finite: bounds, center, radius: half.length(), profile }
+        Self { bounds, finite: bounds, center, radius: half.length(), profile, shift: UNMOVED }
     }
 
     /// Of a primitive, in the frame outside a map.
@@ -67,6 +82,18 @@ impl Loose {
         let profile = own.profile.intersection(&whole.profile);
         let ball = if own.radius < whole.radius { own } else { whole };
         Self { center: ball.center, radius: ball.radius, profile, ..whole }.with_room()
+    }
+
+    /// The same box, which moves so far as each anchor grows by 1.
+    pub(crate) fn shifted(self, shift: [DVec3; ANCHORS]) -> Self {
+        Self { shift, ..self }
+    }
+
+    /// Where it is with the anchors at these numbers.
+    pub(crate) fn anchored_at(self, anchors: &[f64; ANCHORS]) -> Self {
+        let by: DVec3 = self.shift.iter().zip(anchors).map(|(shift, anchor)| *shift * *anchor).sum();
+        let moved = Self { shift: UNMOVED, ..self }.moved(&by.to_array().map(Range::at));
+        if self.is_empty() { self } else { moved.with_room() }
     }
 
     /// Of the primitives of a kind with numbers of some ranges, in their own frame.
@@ -120,6 +147,7 @@ impl Loose {
             center,
             radius: self.radius * stretch(&map.matrix3),
             profile: turned.moved(Range::at(z), DVec3::new(x, y, 0.0).length()),
+            shift: self.shift.map(|it| map.matrix3 * it),
         };
         mapped.settled()
     }
@@ -128,7 +156,8 @@ impl Loose {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        if !step.stretch().is_finite() {
+        let keeps_shift = matches!(step, Step::Known { .. } | Step::Move(_)) || self.shift == UNMOVED;
+        if !step.stretch().is_finite() || !keeps_shift {
             return Self::ALL;
         }
         match step {
@@ -157,6 +186,7 @@ impl Loose {
             center: self.center + DVec3::from_array(middles.map(|it| it.0)),
             radius: self.radius + away,
             profile: self.profile.moved(by[2], aside),
+            shift: self.shift,
         }
     }
 
@@ -168,6 +198,7 @@ impl Loose {
             center,
             radius: self.radius + away,
             profile: if axis == DVec3::Z { self.profile } else { self.profile.tilted(Tilt::by_turning(axis, degrees)) },
+            shift: UNMOVED,
         }
     }
 
@@ -179,6 +210,7 @@ impl Loose {
             center: self.center * middle,
             radius: self.radius * factor.magnitude() + self.center.length() * half,
             profile: self.profile.scaled(factor),
+            shift: UNMOVED,
         }
     }
 
@@ -192,6 +224,7 @@ impl Loose {
             center: self.center * DVec3::from_array(middles.map(|it| it.0)),
             radius: self.radius * most + (self.center * half).length(),
             profile: self.profile.stretched(factors[0].magnitude().max(factors[1].magnitude()), factors[2], 0.0),
+            shift: UNMOVED,
         }
     }
 
@@ -219,7 +252,7 @@ impl Loose {
         let radius = self.center.length() + self.radius;
         let bounds = around(&self.bounds).intersection(&ball_box(DVec3::ZERO, radius));
         let profile = Profile::of_ball(DVec3::ZERO, radius);
-        Self { bounds, finite: around(&self.finite), center: DVec3::ZERO, radius, profile }
+        Self { bounds, finite: around(&self.finite), center: DVec3::ZERO, radius, profile, shift: UNMOVED }
     }
 
     fn through_matrix(self, rows: &[[Range; 4]; 3]) -> Self {
@@ -244,6 +277,10 @@ impl Loose {
     /// Of all that lies in any of these.
     pub(crate) fn union(parts: &[Self]) -> Self {
         let parts: Vec<&Self> = parts.iter().filter(|it| !it.is_empty()).collect();
+        let shift = parts.first().map_or(UNMOVED, |it| it.shift);
+        if parts.iter().any(|it| it.shift != shift) {
+            return Self::ALL;
+        }
         let bounds = parts.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.bounds));
         let finite = parts.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.finite));
         let profile = parts.iter().fold(Profile::EMPTY, |all, it| all.union(&it.profile));
@@ -251,11 +288,15 @@ impl Loose {
         let reach = |it: &&Self| (it.center - whole.center).length() + it.radius;
         let radius = parts.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
         let radius = if radius < whole.radius { radius } else { whole.radius };
-        Self { finite, radius, profile: profile.intersection(&whole.profile), ..whole }
+        Self { finite, radius, profile: profile.intersection(&whole.profile), shift, ..whole }
     }
 
     /// Of what lies in both.
     pub(crate) fn intersection(self, other: Self) -> Self {
+        if self.shift != other.shift && !self.is_empty() && !other.is_empty() {
+            // Either holds all of it.
+            return if self.bounds.is_finite() { self } else { other };
+        }
         let bounds = self.bounds.intersection(&other.bounds);
         if bounds.is_empty() {
             return Self::EMPTY;
@@ -263,7 +304,7 @@ impl Loose {
         let whole = Self::of_box(bounds);
         let smallest = [self, other].into_iter().fold(whole, |a, b| if b.radius < a.radius { b } else { a });
         let profile = self.profile.intersection(&other.profile).intersection(&whole.profile);
-        Self { center: smallest.center, radius: smallest.radius, profile, ..whole }
+        Self { center: smallest.center, radius: smallest.radius, profile, shift: self.shift, ..whole }
     }
 
     /// The same, each of box, ball and profile cut to the others.
@@ -295,6 +336,7 @@ impl Loose {
             center: self.center,
             radius: self.radius + room,
             profile: self.profile.grown(room),
+            shift: self.shift,
         }
     }
 
@@ -340,7 +382,9 @@ impl Loose {
         }
         let inside = |a: &Aabb, b: &Aabb| b.is_empty() || (a.min.cmple(b.min).all() && a.max.cmpge(b.max).all());
         let ball = self.radius == f64::INFINITY || (other.center - self.center).length() + other.radius <= self.radius;
-        ball && inside(&self.bounds, &other.bounds)
+        self.shift == other.shift
+            && ball
+            && inside(&self.bounds, &other.bounds)
             && inside(&self.finite, &other.finite)
             && self.profile.contains(&other.profile)
     }
@@ -358,6 +402,7 @@ impl Loose {
             center: self.center,
             radius: self.radius * factor,
             profile: self.profile.grown(extra),
+            shift: self.shift,
         }
     }
 

@@ -104,6 +104,7 @@ impl Measures {
             let any = |regs: &[Reg]| regs.iter().any(|it| at(&marks, *it));
             let (to, mark) = match op {
                 Op::Vector(to, _) | Op::Part(to, ..) | Op::Builtin(to, Builtin::Noise | Builtin::Rand, _) => (to, true),
+                Op::Constant(to, _) | Op::Param(to, _) => (to, false),
                 Op::Load(to, slot) => (to, stored.contains(slot) || system.is_some_and(|it| self.holds(it, *slot))),
                 Op::Element(to, slot, index) => (to, any(&[*index]) || system.is_some_and(|it| self.holds(it, *slot))),
                 Op::Copy(to, a) | Op::Unary(to, _, a) => (to, any(&[*a])),
@@ -118,14 +119,9 @@ impl Measures {
                     }
                     continue;
                 }
-                Op::Constant(..)
-                | Op::Param(..)
-                | Op::Enter(_)
-                | Op::Leave
-                | Op::Jump(_)
-                | Op::JumpIf(..)
-                | Op::JumpUnless(..)
-                | Op::Check { .. } => continue,
+                Op::Enter(_) | Op::Leave | Op::Jump(_) | Op::JumpIf(..) | Op::JumpUnless(..) | Op::Check { .. } => {
+                    continue;
+                }
             };
             // Of two ways to a register the later one in the text counts: a counter is better not taken for a measure.
             if let Some(place) = marks.get_mut(usize::from(to.0)) {

@@ -12,9 +12,11 @@
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
 //! - [`skeleton`]: a graph without all that only moves and shapes things.
 //! - [`hyper`]: one box for all states of a module.
+//! - [`anchored`], [`translated`]: states that are others moved.
 //! - [`planted`]: what states with shapes in them amount to.
 //! - [`findings`], [`certain`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
+mod anchored;
 mod canon;
 mod certain;
 mod circle;
@@ -38,6 +40,7 @@ mod sketch;
 mod slim;
 mod step;
 mod survey;
+mod translated;
 mod trouble;
 mod value;
 mod walk;

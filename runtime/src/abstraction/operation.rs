@@ -6,6 +6,7 @@
 
 use smallvec::SmallVec;
 
+use super::anchored::{self, Anchored};
 use super::range::Range;
 use super::value::{Abstract, Ranges};
 use crate::eval::operation;
@@ -26,7 +27,12 @@ pub(super) fn truth(value: &Abstract) -> Option<Option<bool>> {
     match value {
         Abstract::Exact(Value::Bool(it)) => Some(Some(*it)),
         Abstract::Truth | Abstract::Any => Some(None),
-        Abstract::Exact(_) | Abstract::Number(_) | Abstract::Vector(_) | Abstract::List(_) => None,
+        Abstract::Exact(_)
+        | Abstract::Number(_)
+        | Abstract::Vector(_)
+        | Abstract::Anchored(_)
+        | Abstract::AnchoredVector(_)
+        | Abstract::List(_) => None,
     }
 }
 
@@ -38,6 +44,10 @@ pub(super) fn unary(op: UnaryOp, a: &Abstract) -> Option<Abstract> {
         (_, Abstract::Any) => Some(Abstract::Any),
         (UnaryOp::Negate, Abstract::Number(it)) => Some(Abstract::number(it.negate())),
         (UnaryOp::Negate, Abstract::Vector(it)) => it.map(|it| Some(it.negate())).map(Abstract::vector),
+        (UnaryOp::Negate, Abstract::Anchored(it)) => Some(Abstract::Anchored(it.negate())),
+        (UnaryOp::Negate, Abstract::AnchoredVector(parts)) => {
+            Some(Abstract::AnchoredVector(parts.iter().map(Anchored::negate).collect()))
+        }
         (UnaryOp::Not, Abstract::Truth) => Some(Abstract::Truth),
         _ => None,
     }
@@ -46,6 +56,9 @@ pub(super) fn unary(op: UnaryOp, a: &Abstract) -> Option<Abstract> {
 pub(super) fn binary(op: BinaryOp, a: &Abstract, b: &Abstract) -> Option<Abstract> {
     if let (Abstract::Exact(a), Abstract::Exact(b)) = (a, b) {
         return operation::binary(op, a, b).ok().map(Abstract::Exact);
+    }
+    if let Some(result) = anchored::binary(op, a, b) {
+        return result;
     }
     let truth = |it| Some(Abstract::truth(it));
     match op {
@@ -154,6 +167,10 @@ fn multiply(a: &Abstract, b: &Abstract) -> Option<Abstract> {
 }
 
 pub(super) fn vector(parts: &[&Abstract]) -> Option<Abstract> {
+    if parts.iter().any(|it| it.is_anchored()) {
+        let parts: Option<SmallVec<[Anchored; 4]>> = parts.iter().map(|it| it.as_anchored()).collect();
+        return anchored::vector(&parts?);
+    }
     let ranges: Option<SmallVec<[Range; 4]>> = parts.iter().map(|it| it.as_range()).collect();
     Ranges::new(&ranges?).map(Abstract::vector)
 }
@@ -168,7 +185,12 @@ pub(super) fn index(list: &Abstract, index: &Abstract) -> Option<Abstract> {
         Abstract::Exact(Value::List(values)) => values.len(),
         Abstract::List(values) => values.len(),
         Abstract::Any => return Some(Abstract::Any),
-        Abstract::Exact(_) | Abstract::Number(_) | Abstract::Vector(_) | Abstract::Truth => return None,
+        Abstract::Exact(_)
+        | Abstract::Number(_)
+        | Abstract::Vector(_)
+        | Abstract::Anchored(_)
+        | Abstract::AnchoredVector(_)
+        | Abstract::Truth => return None,
     };
     // No list is so long that its length is not a number exactly.
     let (first, last) = (places.low().ceil().max(0.0), places.high().floor().min(length as f64 - 1.0));
@@ -192,8 +214,9 @@ pub(super) fn part(vector: &Abstract, number: u8) -> Option<Abstract> {
     match vector {
         Abstract::Exact(value) => operation::part(value, number).ok().map(Abstract::Exact),
         Abstract::Vector(it) => it.parts().get(usize::from(number)).copied().map(Abstract::number),
+        Abstract::AnchoredVector(parts) => parts.get(usize::from(number)).map(|it| it.as_number()),
         Abstract::Any => Some(Abstract::number(Range::ALL)),
-        Abstract::Number(_) | Abstract::Truth | Abstract::List(_) => None,
+        Abstract::Number(_) | Abstract::Anchored(_) | Abstract::Truth | Abstract::List(_) => None,
     }
 }
 
@@ -246,7 +269,13 @@ pub(super) fn noise(seed: u64, args: &[&Abstract]) -> Option<Abstract> {
         return operation::noise(seed, &values).ok().map(Abstract::Exact);
     }
     match args {
-        [Abstract::Number(_) | Abstract::Vector(_) | Abstract::Any] => {
+        [
+            Abstract::Number(_)
+            | Abstract::Vector(_)
+            | Abstract::Anchored(_)
+            | Abstract::AnchoredVector(_)
+            | Abstract::Any,
+        ] => {
             // Rounding may take it past 1 by a hair.
             Some(Abstract::number(Range::between(-1.000_001, 1.000_001)))
         }
@@ -300,6 +329,9 @@ fn mix(args: &[&Abstract]) -> Option<Abstract> {
     let [a, b, t] = args else { return None };
     let step = multiply(&binary(BinaryOp::Subtract, b, a)?, &Abstract::number(t.as_range()?))?;
     let sum = binary(BinaryOp::Add, a, &step)?;
+    if sum.is_anchored() {
+        return Some(sum);
+    }
     // a + (b - a) t asks for a twice. With t from 0 to 1 the result is between the two, but for what rounding does.
     let share = t.as_range()?;
     if share.low() < 0.0 || share.high() > 1.0 {

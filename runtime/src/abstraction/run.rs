@@ -17,7 +17,7 @@ use crate::trace::Entry;
 const VARIANTS: usize = 4;
 /// States of an entry that differ in their control slots, before the rest is taken care of together.
 const MOST_KEYS: usize = 64;
-/// How often a joined state may change before it is widened.
+/// How often a joined state may change after it has been looked at before it is widened.
 const PATIENCE: u32 = 3;
 /// States that a run looks at, again and again; then nothing is known.
 const MOST_DRAWN: u32 = 4096;
@@ -323,8 +323,9 @@ impl<'f> Run<'f> {
         if all == node.state {
             return;
         }
-        node.changes += 1;
-        if node.kind == Kind::Wide || node.changes > PATIENCE {
+        // What changes before it is looked at has only been met by many; what goes round comes back to what has been.
+        node.changes += u32::from(!node.waits);
+        if node.kind == Kind::Wide || node.changes > PATIENCE && self.flow.comes_back(state.entry) {
             let slots = node.state.slots.iter().zip(&all.slots);
             all.slots = slots.map(|(before, after)| before.widened(after)).collect();
         }

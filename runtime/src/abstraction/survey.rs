@@ -11,7 +11,9 @@ use super::flow::Flow;
 use super::hyper::HyperBoxes;
 use super::run::{Meeting, Outcome, Rest, Run};
 use super::sketch::{AbstractState, Extent};
+use super::translated::Translated;
 use super::trouble::{Blame, Blamed};
+use super::value::Abstract;
 use super::walk::{Formals, Walker};
 use crate::fault::Fault;
 use crate::form::{Scene, Slot};
@@ -36,6 +38,7 @@ struct Lens {
     flow: Flow,
     depth: u32,
     canon: Mutex<Canon>,
+    translated: Translated,
 }
 
 /// What a thread has of its own.
@@ -53,7 +56,12 @@ impl Default for Scout {
 
 impl Survey {
     pub(crate) fn new(scene: &Scene, limits: &Limits) -> Self {
-        let lens = |flow| Lens { flow, depth: limits.depth, canon: Mutex::new(Canon::new(limits)) };
+        let lens = |flow| Lens {
+            flow,
+            depth: limits.depth,
+            canon: Mutex::new(Canon::new(limits)),
+            translated: Translated::default(),
+        };
         Self { strict: lens(Flow::of(scene)), coarse: Flow::with_measures_as_data(scene).map(lens) }
     }
 
@@ -102,7 +110,11 @@ impl Survey {
 
 impl Lens {
     fn extent(&self, scout: &mut Scout, start: &AbstractState) -> Result<Extent, Fault> {
-        if self.flow.at(start.entry).discrete { self.shared(start.clone()) } else { self.run(scout, start.clone()) }
+        if self.flow.at(start.entry).discrete {
+            return self.shared(start.clone());
+        }
+        let moved = self.translated.extent(&self.flow, start, |it| self.run(scout, it.clone()).ok());
+        moved.map_or_else(|| self.run(scout, start.clone()), Ok)
     }
 
     fn shared(&self, state: AbstractState) -> Result<Extent, Fault> {
@@ -116,6 +128,10 @@ impl Lens {
         let outcome = run.finish(&mut scout.walker, |state, is_full| {
             let discrete = self.flow.at(state.entry).discrete;
             Ok(match (discrete, is_full) {
+                // What is kept for all has no anchors.
+                _ if (discrete || is_full) && state.slots.iter().any(Abstract::is_anchored) => {
+                    Meeting::Known(Extent::ALL)
+                }
                 (true, _) => Meeting::Known(self.shared(state)?),
                 (false, true) => Meeting::Known(self.shared(Canon::coarse(&self.flow, state))?),
                 (false, false) => Meeting::Own(state),

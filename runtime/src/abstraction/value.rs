@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
+use super::anchored::{self, Anchored};
 use super::range::Range;
 use crate::form::{Value, Vector};
 
@@ -17,6 +18,10 @@ pub(crate) enum Abstract {
     Number(Range),
     /// A vector with parts of ranges.
     Vector(Ranges),
+    /// A number that is so far from an anchor; its factor is not 0.
+    Anchored(Anchored),
+    /// A vector of two to four of these, of which at least one has a factor.
+    AnchoredVector(Arc<[Anchored]>),
     /// A truth value.
     Truth,
     /// A list of so many values.
@@ -119,8 +124,8 @@ impl Abstract {
         match self {
             Self::Exact(Value::Number(it)) => Some(Range::at(*it)),
             Self::Number(range) => Some(*range),
-            Self::Any => Some(Range::ALL),
-            Self::Exact(_) | Self::Vector(_) | Self::Truth | Self::List(_) => None,
+            Self::Any | Self::Anchored(_) => Some(Range::ALL),
+            Self::Exact(_) | Self::Vector(_) | Self::AnchoredVector(_) | Self::Truth | Self::List(_) => None,
         }
     }
 
@@ -132,7 +137,11 @@ impl Abstract {
                 Ranges::new(&parts)
             }
             Self::Vector(ranges) => Some(*ranges),
-            Self::Exact(_) | Self::Number(_) | Self::Truth | Self::List(_) | Self::Any => None,
+            Self::AnchoredVector(parts) => {
+                let parts: SmallVec<[Range; 4]> = parts.iter().map(Anchored::range).collect();
+                Ranges::new(&parts)
+            }
+            Self::Exact(_) | Self::Number(_) | Self::Anchored(_) | Self::Truth | Self::List(_) | Self::Any => None,
         }
     }
 
@@ -155,6 +164,20 @@ impl Abstract {
         match (self, other) {
             (Self::Any, _) | (_, Self::Any) => Self::Any,
             (Self::Truth | Self::Exact(Value::Bool(_)), Self::Truth | Self::Exact(Value::Bool(_))) => Self::Truth,
+            _ if self.is_anchored() || other.is_anchored() => {
+                if let (Some(a), Some(b)) = (self.as_anchored(), other.as_anchored()) {
+                    let all = a.combined(&b, ranges);
+                    return if all.is_plain() { Self::number(all.rest) } else { Self::Anchored(all) };
+                }
+                match (self.as_anchored_parts(), other.as_anchored_parts()) {
+                    (Some(a), Some(b)) if a.len() == b.len() => {
+                        let parts: SmallVec<[Anchored; 4]> =
+                            a.iter().zip(&b).map(|(a, b)| a.combined(b, ranges)).collect();
+                        anchored::vector(&parts).unwrap_or(Self::Any)
+                    }
+                    _ => Self::Any,
+                }
+            }
             _ => {
                 if let (Some(a), Some(b)) = (self.as_range(), other.as_range()) {
                     return Self::number(ranges(a, b));
@@ -180,13 +203,25 @@ impl Abstract {
                 Some(values.iter().cloned().map(Self::Exact).collect())
             }
             Self::List(values) => Some(Arc::clone(values)),
-            Self::Exact(_) | Self::Number(_) | Self::Vector(_) | Self::Truth | Self::Any => None,
+            Self::Exact(_)
+            | Self::Number(_)
+            | Self::Vector(_)
+            | Self::Anchored(_)
+            | Self::AnchoredVector(_)
+            | Self::Truth
+            | Self::Any => None,
         }
     }
 
     /// The same or less, of which there are few.
     #[must_use]
     pub(crate) fn coarse(&self) -> Self {
+        let coarse = |it: &Anchored| Anchored { rest: it.rest.coarse(), ..*it };
+        match self {
+            Self::Anchored(it) => return Self::Anchored(coarse(it)),
+            Self::AnchoredVector(parts) => return Self::AnchoredVector(parts.iter().map(coarse).collect()),
+            _ => {}
+        }
         if let Some(range) = self.as_range() {
             return if matches!(self, Self::Any) { Self::Any } else { Self::number(range.coarse()) };
         }
@@ -217,7 +252,15 @@ impl Abstract {
             (Self::List(values), Value::List(it)) => {
                 values.len() == it.len() && values.iter().zip(&**it).all(|(a, b)| a.contains(b))
             }
-            (Self::Number(_) | Self::Vector(_) | Self::Truth | Self::List(_), _) => false,
+            (
+                Self::Number(_)
+                | Self::Vector(_)
+                | Self::Anchored(_)
+                | Self::AnchoredVector(_)
+                | Self::Truth
+                | Self::List(_),
+                _,
+            ) => false,
         }
     }
 }
@@ -225,6 +268,11 @@ impl Abstract {
 /// Adding 0 turns -0 into 0: both are one key.
 fn bits(range: Range) -> [u64; 2] {
     [range.low(), range.high()].map(|it| (it + 0.0).to_bits())
+}
+
+fn key(it: &Anchored) -> (u8, [u64; 2], [u64; 2]) {
+    let anchor = if it.is_plain() { 0 } else { it.anchor };
+    (anchor, [it.factor, it.size].map(|it| (it + 0.0).to_bits()), bits(it.rest))
 }
 
 impl PartialEq for Abstract {
@@ -236,8 +284,22 @@ impl PartialEq for Abstract {
                 a.len == b.len && a.parts().iter().zip(b.parts()).all(|(a, b)| bits(*a) == bits(*b))
             }
             (Self::List(a), Self::List(b)) => Arc::ptr_eq(a, b) || a == b,
+            (Self::Anchored(a), Self::Anchored(b)) => key(a) == key(b),
+            (Self::AnchoredVector(a), Self::AnchoredVector(b)) => {
+                a.len() == b.len() && a.iter().zip(&**b).all(|(a, b)| key(a) == key(b))
+            }
             (Self::Truth, Self::Truth) | (Self::Any, Self::Any) => true,
-            (Self::Exact(_) | Self::Number(_) | Self::Vector(_) | Self::List(_) | Self::Truth | Self::Any, _) => false,
+            (
+                Self::Exact(_)
+                | Self::Number(_)
+                | Self::Vector(_)
+                | Self::Anchored(_)
+                | Self::AnchoredVector(_)
+                | Self::List(_)
+                | Self::Truth
+                | Self::Any,
+                _,
+            ) => false,
         }
     }
 }
@@ -251,6 +313,8 @@ impl Hash for Abstract {
             Self::Exact(value) => value.hash(state),
             Self::Number(range) => bits(*range).hash(state),
             Self::Vector(ranges) => ranges.parts().iter().for_each(|it| bits(*it).hash(state)),
+            Self::Anchored(it) => key(it).hash(state),
+            Self::AnchoredVector(parts) => parts.iter().for_each(|it| key(it).hash(state)),
             Self::List(values) => values.hash(state),
             Self::Truth | Self::Any => {}
         }

@@ -235,7 +235,7 @@ impl Walker {
                     if let Fixed::Primitive(primitive) = flow.fixed(node) {
                         if let Some(primitive) = primitive {
                             let loose = bounds_of(primitive, &here.way);
-                            let corners = here.linear.and_then(|it| it.bounds(*kind)).map(Loose::of_box);
+                            let corners = here.linear.and_then(|it| it.bounds(*kind));
                             sketch.add(corners.map_or(loose, |it| loose.intersection(it)), here.copies);
                         }
                         return;

@@ -13,15 +13,15 @@ fn code(ops: Vec<Op>, results: &[u16]) -> Code {
 
 #[test]
 fn what_noise_has_gone_into_is_a_measure_and_a_counter_is_none() {
-    // T(height + noise(height), left - 1): the register of the noise is used again for the counter.
+    // T(height + noise(height), left - 1): the register of the noise is used again for the 1 and for the counter.
     let args = code(
         vec![
             Op::Load(Reg(0), Slot(0)),
             Op::Builtin(Reg(1), Builtin::Noise, [Reg(0)].into()),
             Op::Binary(Reg(3), BinaryOp::Add, Reg(0), Reg(1)),
-            Op::Load(Reg(1), Slot(1)),
-            Op::Constant(Reg(2), Value::Number(1.0)),
-            Op::Binary(Reg(1), BinaryOp::Subtract, Reg(1), Reg(2)),
+            Op::Load(Reg(2), Slot(1)),
+            Op::Constant(Reg(1), Value::Number(1.0)),
+            Op::Binary(Reg(1), BinaryOp::Subtract, Reg(2), Reg(1)),
         ],
         &[3, 1],
     );

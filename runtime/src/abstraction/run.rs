@@ -174,7 +174,7 @@ impl<'f> Run<'f> {
             let mut drawn = walker.draw(self.flow, &state);
             let mut targets = Vec::with_capacity(drawn.successors.len());
             let mut calls = Vec::with_capacity(drawn.successors.len());
-            for successor in drawn.successors.drain(..) {
+            for successor in std::mem::take(&mut drawn.successors) {
                 let is_full = matches!(self.rest, Rest::Elsewhere) && self.is_full(&successor.state);
                 targets.push(match meet(successor.state, is_full)? {
                     Meeting::Known(extent) => Target::Known(extent),

@@ -10,8 +10,8 @@ use crate::limits;
 /// How often suggestions may be followed; each takes a mistake away and may bring one to light.
 const MOST_ROUNDS: usize = 40;
 
-/// More than that nobody reads.
-const MOST_SHOWN: usize = 128 << 10;
+/// So many bytes are promised, and then how many messages are left.
+const MOST_SHOWN: usize = (64 << 10) + 100;
 
 /// Compiles a text, follows what it shows, and applies what is safe to apply.
 ///
@@ -78,7 +78,9 @@ struct Files;
 impl Loader for Files {
     fn load(&self, _: &str, path: &str) -> Result<Loaded, LoadError> {
         let text = match path {
-            "a.tg" => "use \"b.tg\"; param p = 2 in 0..3; csg A(n = 1) { start b.B(n) | T(n); T(n) -> uscale(p) sphere; }",
+            "a.tg" => {
+                "use \"b.tg\"; param p = 2 in 0..3; csg A(n = 1) { start b.B(n) | T(n); T(n) -> uscale(p) sphere; }"
+            }
             "b.tg" => "material M { color: (1, 0, 0) } csg B(n) { start paint(M) uscale(n) box; }",
             "c.tg" => "use \"fuzz.tg\"; let c = 1;",
             "wrong.tg" => "let = ; csg W { start }",

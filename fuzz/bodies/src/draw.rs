@@ -52,8 +52,8 @@ fn make(compiled: &Compiled) {
         (Err(fault), _) | (_, Err(fault)) => told(fault),
     }
     let options = options();
-    let drawn = Scanner::new(scene, StemSurface::Smooth, &limits, &())
-        .and_then(|it| scan(scene, &it, &limits, &options, &()));
+    let drawn =
+        Scanner::new(scene, StemSurface::Smooth, &limits, &()).and_then(|it| scan(scene, &it, &limits, &options, &()));
     drawn.map_or_else(|it| told(&it), |it| judge(&it));
     match mesh::mesh(scene, StemSurface::Cones, &limits, &()) {
         Ok(mesh) => {

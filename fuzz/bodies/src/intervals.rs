@@ -24,8 +24,7 @@ pub fn intervals(data: &[u8]) {
     let count = 1 + bytes.below(6);
     let leaves: Vec<Vec<(f64, f64)>> = (0..count).map(|_| pieces(&mut bytes)).collect();
     let samples = samples(&leaves);
-    let mut stack: Vec<Operand> =
-        leaves.iter().enumerate().map(|(number, it)| leaf(number, it, &samples)).collect();
+    let mut stack: Vec<Operand> = leaves.iter().enumerate().map(|(number, it)| leaf(number, it, &samples)).collect();
     let known = stack.iter().map(|it| Operand { list: it.list.clone(), inside: it.inside.clone() }).collect::<Vec<_>>();
     for _ in 0..64 {
         if bytes.is_empty() {

@@ -59,7 +59,7 @@ fn reach(primitive: &Primitive, direction: DVec3) {
     assert!(!bounds.min.is_nan() && !bounds.max.is_nan(), "{primitive:?} {bounds:?}");
     let support = primitive.support(direction);
     // In a direction of such length squares may go over their end, and 0 times infinity is nothing.
-    let is_plain = direction.abs().max_element() <= 1e100 && direction.abs().max_element() >= 1e-100;
+    let is_plain = direction.is_finite() && (1e-100..=1e100).contains(&direction.abs().max_element());
     assert!(!is_plain || !support.is_nan(), "{primitive:?} {direction:?}");
 }
 

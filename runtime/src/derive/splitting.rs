@@ -220,9 +220,9 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
             let laid = self.waiting.get(ticket);
             let (frame, material, origin) = (laid.frame.clone(), laid.material, self.ancestry.origin(laid.number));
             let has_length = !self.shape.modules[laid.module.0 as usize].params.is_empty();
-            let length = match self.waiting.value(ticket, 0) {
-                Value::Number(length) if has_length => length,
-                _ => return Err(self.led_to(ticket, Fault::new(FaultKind::Normal { length: None }, origin))),
+            let first = has_length.then(|| self.waiting.value(ticket, 0));
+            let Some(Value::Number(length)) = first else {
+                return Err(self.led_to(ticket, Fault::new(FaultKind::Normal { length: None }, origin)));
             };
             self.push_normal(&frame, length, material, origin).map_err(|it| self.led_to(ticket, it))?;
         }

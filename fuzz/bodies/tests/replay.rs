@@ -1,6 +1,7 @@
 //! All inputs that are stored, and some made up on the spot.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+#![allow(clippy::print_stdout, reason = "a test that fails says with which input")]
 
 use std::fs;
 use std::path::Path;

@@ -78,8 +78,7 @@ fn modules_are_inside_one_another_up_to_the_limit_however_small_it_is_made() {
 fn needed(program: &str, depth: usize) -> usize {
     let text = program.replace("DEPTH", &depth.to_string());
     let passes = |limit: &usize| by_cells(&text, &Limits { depth: *limit as u32, ..Limits::default() }) == "fine";
-    let least = (depth - 2..depth + 3).find(passes).unwrap_or_else(|| panic!("no limit near its depth: {program}"));
-    least
+    (depth - 2..depth + 3).find(passes).unwrap_or_else(|| panic!("no limit near its depth: {program}"))
 }
 
 #[test]

@@ -120,7 +120,7 @@ const RAISED: &[Raised] = raised![
     "operations", "operations for one list of arguments, guard or C-node", operations: u64, Some(Limit::Operations), Change::Allow(1 << 48);
     "repeat", "copies of the repeats in one part", repeat: u32, Some(Limit::Repeat), MANY;
     "list", "values of one list", list: u32, Some(Limit::List), MANY;
-    "parts", "parts of one module, up to the next modules", items: u32, Some(Limit::Nodes), MANY;
+    "parts", "parts of one module; a call of another counts as four", items: u32, Some(Limit::Nodes), MANY;
     "rules", "rules applied in one derivation of a shape", rules: u32, Some(Limit::Rules), MANY;
     "modules", "modules of one derivation that wait to be replaced", modules: u32, Some(Limit::Modules), MANY;
     "segments", "segments of one derivation", segments: u32, Some(Limit::Segments), MANY;

@@ -13,7 +13,7 @@ pub struct Limits {
     pub repeat: u32,
     /// Elements of one list.
     pub list: u32,
-    /// Parts of one state: primitives, copies, modules up to the next ones.
+    /// Parts of one state: primitives, copies, modules up to the next ones. A module counts as four.
     pub items: u32,
     /// Rules applied in one derivation of a shape.
     pub rules: u32,

@@ -9,6 +9,7 @@ mod explain;
 mod files;
 mod fmt;
 mod help;
+mod hostile;
 mod inspect;
 mod interrupts;
 mod limits;

@@ -13,7 +13,7 @@ use super::origin;
 use crate::program::{self, Expr, ExprKind, GlobalId, Link, Program, SlotId, Step};
 
 /// How many operations all codes of a program may have together: `calc` definitions that run one another could double without end.
-const MAX_OPS: usize = 8_000_000;
+const MAX_OPS: usize = 2_000_000;
 
 /// The values of the files' `let`s and `param`s; `None` where one could not be found.
 #[derive(Clone, Copy)]

@@ -20,7 +20,7 @@ use crate::words;
 use code::{Functions, Values};
 
 /// How many nodes a graph may have.
-pub(crate) const MAX_NODES: usize = 4_000_000;
+pub(crate) const MAX_NODES: usize = 1_000_000;
 
 /// The graph of a program, and the materials that it paints with: number n of the scene is the n-th of these.
 pub(crate) struct Lowered {

@@ -15,19 +15,30 @@ pub use json::{show_json, show_json_sentence};
 /// How many problems are shown.
 pub(crate) const MOST_SHOWN: usize = 100;
 
+/// How many bytes are shown, unless the first problem alone has more.
+const MOST_BYTES: usize = 64 << 10;
+
 /// Puts problems into the order of the text, each once.
 pub fn sort(problems: &mut Vec<Problem>) {
     problems.sort_by(|a, b| (a.span(), a.code, &a.message).cmp(&(b.span(), b.code, &b.message)));
     problems.dedup();
 }
 
-/// Writes problems for people, at most a hundred of them and errors first if there are more, then how many are left.
+/// Writes problems for people, at most a hundred of them and 64 KiB, errors first if there are more, then how many are left.
 ///
 /// Control characters and those that change the direction of writing are shown as their code points, whatever a program or a file's
 /// name contains.
 pub fn show(problems: &[Problem], sources: &Sources, color: bool) -> String {
-    let (chosen, hidden) = chosen(problems);
-    let mut out: String = chosen.iter().map(|it| one(it, sources, color)).collect();
+    let (chosen, mut hidden) = chosen(problems);
+    let mut out = String::new();
+    for (number, problem) in chosen.iter().enumerate() {
+        let words = one(problem, sources, color);
+        if number > 0 && out.len() + words.len() > MOST_BYTES {
+            hidden += chosen.len() - number;
+            break;
+        }
+        out.push_str(&words);
+    }
     if hidden > 0 {
         out.push_str(&format!("... and {hidden} more\n"));
     }

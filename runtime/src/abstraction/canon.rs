@@ -22,6 +22,8 @@ use crate::quick_hash::BuildQuickHash;
 const MOST_EXACT: usize = 1 << 15;
 /// The same for a state that is met in a run, which looks at many: most of them are as the one that it began at.
 const MOST_MODEST: usize = 1 << 10;
+/// Calls in the states of a search, all together: each takes half a kilobyte as long as its state is not known.
+const MOST_CALLS: usize = 1 << 17;
 /// States of a run that turn out to lead to too many, after which no other one is tried.
 const MOST_TRIED: u32 = 16;
 /// States that are kept before all of them are forgotten.
@@ -165,18 +167,28 @@ impl Canon {
 
     /// All states that one leads to; none if they are more than `most`, too deep inside one another, or one of them has too many.
     fn search(&mut self, flow: &Flow, start: u32, most: usize) -> Option<Found> {
+        let mut found = vec![(start, 0, Origin::NONE)];
+        if self.gather(flow, &mut found, most) {
+            return Some(found);
+        }
+        // They are drawn again if they are needed after all.
+        found.iter().for_each(|it| self.nodes[it.0 as usize].sketch = None);
+        None
+    }
+
+    /// Adds to the first state all that it leads to; whether they are not too many.
+    fn gather(&mut self, flow: &Flow, found: &mut Found, most: usize) -> bool {
         self.searches += 1;
         let search = self.searches;
-        self.seen[start as usize] = (search, 0);
-        let mut found: Found = vec![(start, 0, Origin::NONE)];
-        let (mut at, mut level, mut level_end) = (0, 0, 1);
+        self.seen[found[0].0 as usize] = (search, 0);
+        let (mut at, mut level, mut level_end, mut calls) = (0, 0, 1, 0);
         while at < found.len() {
             if at == level_end {
                 (level, level_end) = (level + 1, found.len());
             }
             let number = found[at].0;
             if self.nodes[number as usize].exact == Some(false) || level > self.depth.saturating_add(1) {
-                return None;
+                return false;
             }
             self.look(flow, number);
             let next = self.nodes[number as usize].next.as_deref().unwrap_or_default();
@@ -187,12 +199,13 @@ impl Canon {
                     found.push((*inner, at as u32, *called));
                 }
             }
-            if found.len() > most {
-                return None;
+            calls += next.len();
+            if found.len() > most || calls > MOST_CALLS {
+                return false;
             }
             at += 1;
         }
-        Some(found)
+        true
     }
 
     /// Whether what a state amounts to is found from the states it leads to one by one. If so, it is found.

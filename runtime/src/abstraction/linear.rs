@@ -96,6 +96,7 @@ impl Form {
 
 /// What a register holds.
 #[derive(Clone)]
+#[expect(clippy::large_enum_variant, reason = "there are few at a time, and most are of the large kind")]
 enum Held {
     Number(Form),
     Vector(Slot),

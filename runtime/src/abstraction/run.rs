@@ -3,7 +3,7 @@
 //! A run begins at one state and keeps a small number of others: of those that agree in their control slots a few, then
 //! one that stands for all of them. It depends on nothing but the state it begins at.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 use super::cycles::{self, Endless, Knot, Link};
 use super::flow::{Flow, Lay};
@@ -11,6 +11,7 @@ use super::sketch::{AbstractState, Extent};
 use super::walk::{Chosen, Drawn, Walker};
 use crate::fault::Fault;
 use crate::form::Origin;
+use crate::quick_hash::BuildQuickHash;
 use crate::trace::Entry;
 
 /// States of an entry that agree in their control slots and yet are kept apart.
@@ -101,7 +102,6 @@ enum Kind {
 
 /// The nodes of one entry.
 struct Place {
-    entry: Entry,
     nodes: Vec<u32>,
     keys: usize,
     wide: Option<u32>,
@@ -113,12 +113,21 @@ pub(super) struct Run<'f> {
     rest: Rest,
     nodes: Vec<Node>,
     places: Vec<Place>,
+    /// Where in `places` an entry is: a program may well have thousands.
+    numbers: HashMap<Entry, usize, BuildQuickHash>,
     ahead: VecDeque<u32>,
 }
 
 impl<'f> Run<'f> {
     pub(super) fn new(flow: &'f Flow, rest: Rest, start: AbstractState) -> Self {
-        let mut run = Self { flow, rest, nodes: Vec::new(), places: Vec::new(), ahead: VecDeque::new() };
+        let mut run = Self {
+            flow,
+            rest,
+            nodes: Vec::new(),
+            places: Vec::new(),
+            numbers: HashMap::default(),
+            ahead: VecDeque::new(),
+        };
         run.node(start, Kind::Start, None, Origin::NONE);
         run
     }
@@ -174,7 +183,7 @@ impl<'f> Run<'f> {
             let mut drawn = walker.draw(self.flow, &state);
             let mut targets = Vec::with_capacity(drawn.successors.len());
             let mut calls = Vec::with_capacity(drawn.successors.len());
-            for successor in drawn.successors.drain(..) {
+            for successor in std::mem::take(&mut drawn.successors) {
                 let is_full = matches!(self.rest, Rest::Elsewhere) && self.is_full(&successor.state);
                 targets.push(match meet(successor.state, is_full)? {
                     Meeting::Known(extent) => Target::Known(extent),
@@ -230,13 +239,14 @@ impl<'f> Run<'f> {
     }
 
     fn place(&self, entry: Entry) -> Option<usize> {
-        self.places.iter().position(|it| it.entry == entry)
+        self.numbers.get(&entry).copied()
     }
 
     fn node(&mut self, state: AbstractState, kind: Kind, from: Option<u32>, called: Origin) -> u32 {
         let number = self.nodes.len() as u32;
         let place = self.place(state.entry).unwrap_or_else(|| {
-            self.places.push(Place { entry: state.entry, nodes: Vec::new(), keys: 0, wide: None });
+            self.numbers.insert(state.entry, self.places.len());
+            self.places.push(Place { nodes: Vec::new(), keys: 0, wide: None });
             self.places.len() - 1
         });
         self.places[place].nodes.push(number);
@@ -303,15 +313,15 @@ impl<'f> Run<'f> {
             }
             let entry = state.entry;
             let wide = self.node(state, Kind::Wide, Some(from), called);
-            if let Some(place) = self.places.iter_mut().find(|it| it.entry == entry) {
-                place.wide = Some(wide);
+            if let Some(place) = self.place(entry) {
+                self.places[place].wide = Some(wide);
             }
             return wide;
         }
         let entry = state.entry;
         let number = self.node(state, Kind::One, Some(from), called);
-        if let Some(place) = self.places.iter_mut().find(|it| it.entry == entry) {
-            place.keys += 1;
+        if let Some(place) = self.place(entry) {
+            self.places[place].keys += 1;
         }
         number
     }

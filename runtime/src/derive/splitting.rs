@@ -259,9 +259,9 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
             let laid = self.waiting.get(ticket);
             let (origin, parent) = (self.ancestry.origin(laid.number), self.ancestry.parent(laid.number));
             let has_length = !self.shape.modules[laid.module.0 as usize].params.is_empty();
-            let length = match self.waiting.value(ticket, 0) {
-                Value::Number(length) if has_length => length,
-                _ => return Err(self.led_to(ticket, Fault::new(FaultKind::Normal { length: None }, origin))),
+            let first = has_length.then(|| self.waiting.value(ticket, 0));
+            let Some(Value::Number(length)) = first else {
+                return Err(self.led_to(ticket, Fault::new(FaultKind::Normal { length: None }, origin)));
             };
             let normal = normal(&laid.frame, length, laid.material, origin);
             self.push_normal(normal, length, parent).map_err(|it| self.led_to(ticket, it))?;

@@ -138,7 +138,9 @@ pub(super) fn hyperboloid_support(direction: DVec3) -> f64 {
     if across > direction.z || direction.z < 0.0 {
         f64::INFINITY
     } else {
-        direction.z - ((direction.z - across) * (direction.z + across)).sqrt()
+        let between = (direction.z - across) * (direction.z + across);
+        // Where numbers end nothing is known, and without an end is never wrong.
+        if between.is_finite() { direction.z - between.sqrt() } else { f64::INFINITY }
     }
 }
 
@@ -146,7 +148,8 @@ pub(super) fn hyperboloid_support(direction: DVec3) -> f64 {
 pub(super) fn paraboloid_support(direction: DVec3) -> f64 {
     let across_squared = direction.truncate().length_squared();
     if direction.z > 0.0 {
-        across_squared / (4.0 * direction.z)
+        let reach = across_squared / direction.z / 4.0;
+        if reach.is_nan() { f64::INFINITY } else { reach }
     } else if across_squared > 0.0 || direction.z < 0.0 {
         f64::INFINITY
     } else {

@@ -16,6 +16,9 @@ pub(crate) const CHOICE: u64 = 0x1000_0000_0000_0000;
 pub(crate) const COPY: u64 = 0x2000_0000_0000_0000;
 pub(crate) const OPERAND: u64 = 0x3000_0000_0000_0000;
 
+/// How many parts a call counts for, since a state of its own comes with it: with a million of them a group would take a gigabyte.
+const CALL_COST: u32 = 4;
+
 /// Where a walk is.
 #[derive(Clone, Copy)]
 pub(super) struct Here {
@@ -228,9 +231,10 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
 
     fn put(&mut self, group: &mut Group, here: &Here, solid: Solid, origin: Origin) -> Result<(), Fault> {
         let most = self.expander.limits.items;
+        let cost = if matches!(solid, Solid::Instance(..)) { CALL_COST } else { 1 };
         self.left = self
             .left
-            .checked_sub(1)
+            .checked_sub(cost)
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
         let Here { group_from_here: group_from_item, material, group_from_paint, route, .. } = *here;
         let group_from_paint = group_from_paint.map(Box::new);

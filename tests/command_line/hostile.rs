@@ -1,0 +1,76 @@
+//! Surroundings that are hostile: command lines, limits of the system, signals.
+
+use crate::support::{FRACTAL, Folder, SPHERE};
+
+#[test]
+fn a_wrong_command_line_gives_2_and_no_picture() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    for line in [
+        "--threads 0",
+        "--threads -1",
+        "--threads 1000000000000",
+        "--threads x",
+        "--size 1e9x1",
+        "--size 0x5",
+        "--size 99999999999999999999x1",
+        "--size 5",
+        "--samples 0",
+        "--samples 1e9",
+        "--crop 0,0,0,0",
+        "--seed -1",
+        "--seed x",
+        "--detail nan",
+        "--detail -1",
+        "--allow depth=0x10",
+        "--allow nothing=1",
+        "--allow depth",
+        "--set nothing=1",
+        "--set =",
+        "--no-such-flag",
+        "-o",
+    ] {
+        let ran = folder.shell(&format!("exec $treegen a.tg {line}"));
+        assert_eq!(ran.code, Some(2), "{line}: {}", ran.said);
+        assert!(!ran.said.is_empty() && !folder.exists("a.png"), "{line}");
+    }
+}
+
+#[test]
+fn very_many_arguments_are_answered() {
+    let folder = Folder::with(&[("a.tg", SPHERE)]);
+    let ran = folder
+        .shell("seq 100000 | xargs -n 100000 $treegen a.tg >/dev/null 2>said; echo $? >code; head -c 2000 said >&2");
+    // xargs gives 123 for what its program ends with.
+    assert_eq!(String::from_utf8_lossy(&folder.read("code")).trim(), "123", "{}", ran.said);
+    assert!(folder.read("said").len() < 100_000);
+}
+
+/// The commands of a shell before a run, under which there is a picture, or a message that it cannot be.
+#[test]
+fn a_system_that_gives_little_gives_a_picture_or_a_reason() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    for before in [
+        "ulimit -v 262144",
+        "ulimit -v 400000",
+        "ulimit -s 256",
+        "ulimit -n 6",
+        "ulimit -t 600",
+        "exec <&-",
+        "exec <&- >&-",
+    ] {
+        let ran = folder.shell(&format!("rm -f a.png; {before}; exec $treegen a.tg --threads 2"));
+        assert!(matches!(ran.code, Some(0 | 3 | 4)), "{before}: {:?} {}", ran.code, ran.said);
+        assert_eq!(ran.code == Some(0), folder.exists("a.png"), "{before}: {}", ran.said);
+        assert!(ran.code == Some(0) || !ran.said.is_empty(), "{before}");
+    }
+}
+
+#[test]
+fn a_run_that_nobody_waits_for_ends_by_its_signal_and_leaves_nothing_behind() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    for (signal, codes) in [("INT", [130, 0]), ("TERM", [130, 0]), ("HUP", [129, 0]), ("KILL", [137, 0])] {
+        let run = "$treegen a.tg --size 2000x1500 --quiet & p=$!; sleep 0.2; kill -";
+        let ran = folder.shell(&format!("rm -f a.png; {run}{signal} $p; wait $p"));
+        assert!(codes.iter().any(|it| ran.code == Some(*it)), "{signal}: {:?} {}", ran.code, ran.said);
+    }
+}

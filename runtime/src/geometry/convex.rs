@@ -90,12 +90,12 @@ impl Pierced for Convex {
 
 impl Convex {
     /// Whether a ray that starts on a face leaves the solid for good: it goes out of a convex solid, and so never meets it again.
-    pub(crate) fn is_left_by(&self, face: u16, ray: &Ray) -> bool {
+    pub(crate) fn is_left_by(&self, face: u32, ray: &Ray) -> bool {
         self.is_solid() && self.outwards(face, ray.origin).dot(ray.direction) > 0.0
     }
 
     /// A vector along the outward normal of a face, not of length 1.
-    fn outwards(&self, face: u16, point: DVec3) -> DVec3 {
+    fn outwards(&self, face: u32, point: DVec3) -> DVec3 {
         match *self {
             Self::Ball => point,
             Self::Cylinder | Self::Cone { .. } if face == BOTTOM => DVec3::NEG_Z,
@@ -144,7 +144,7 @@ fn none<S: Simd>(lanes: S) -> Mask<S> {
 }
 
 #[inline(always)]
-fn side<S: Simd>(lanes: S, t: Wide<S>, face: u16) -> Side<S> {
+fn side<S: Simd>(lanes: S, t: Wide<S>, face: u32) -> Side<S> {
     Side { t, face: lanes.splat_u64s(u64::from(face) * FACE) }
 }
 
@@ -300,7 +300,7 @@ impl<S: Simd> Clip<S> {
 
     /// Cuts off what lies in front of a plane, that the lines are `distance` behind at t = 0 and near by `speed`.
     #[inline(always)]
-    pub(super) fn cut(self, face: u16, distance: Wide<S>, speed: Wide<S>) -> Self {
+    pub(super) fn cut(self, face: u32, distance: Wide<S>, speed: Wide<S>) -> Self {
         let zero = number(self.lanes, 0.0);
         let crossing = side(self.lanes, distance / speed, face);
         let (enters, leaves) = (speed.lt(zero), speed.gt(zero));

@@ -21,9 +21,10 @@ mod segment;
 mod sheet;
 mod solve;
 mod torus;
+mod triangles;
 
 pub use aabb::Aabb;
-pub use chord::{Chord, Chords, Crossing};
+pub use chord::{Chord, Chords, Crossing, Crossings};
 pub(crate) use convex::{Convex, FACE, Lines, Pieces, Pierced, Side};
 pub use convex_set::{ConvexSet, MOST_PLANES, Plane};
 pub(crate) use eigen::eigen;
@@ -34,3 +35,4 @@ pub use ray::Ray;
 pub use relief::{Hide, Relief};
 pub use rind::Rind;
 pub use segment::Wrap;
+pub use triangles::{Face, Gap, Pieces as MeshPieces, Triangles};

@@ -239,7 +239,7 @@ impl Shape {
         let (own, own_from_world, is_solid) = match self {
             Self::Primitive(primitive, own_from_world, rough) => {
                 let point = own_from_world.transform_point3(position);
-                let own = primitive.normal(point, face as u16);
+                let own = primitive.normal(point, face);
                 let own = rough.as_ref().map_or(own, |it| it.normal(own, point));
                 (own, own_from_world, primitive.is_solid())
             }

@@ -280,7 +280,7 @@ fn put(
     if let Some(rough) = hull.rough {
         let chord = hull.set.chord(&ray, None).and_then(|it| rough.left(hull.set, &ray, it));
         let met = chord.and_then(|it| meeting.of_chord(&it));
-        return met.is_some_and(|it| grid.put(column, row, it.t, piece, u32::from(it.face)));
+        return met.is_some_and(|it| grid.put(column, row, it.t, piece, it.face));
     }
     let depth = |plane: u32| {
         let Plane { normal, offset } = hull.set.planes()[plane as usize];

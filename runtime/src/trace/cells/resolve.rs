@@ -402,7 +402,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         &self,
         place: &Place,
         cell: &Cell,
-        (leaf, face): (&Leaf, u16),
+        (leaf, face): (&Leaf, u32),
         rough: Option<&Rough>,
         hit: &Hit,
     ) -> DVec3 {

@@ -15,7 +15,7 @@ mod walk;
 
 pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
 pub(crate) use expand::{WholeStem, constants};
-pub use find::{Derivable, find_shape};
+pub use find::{Derivable, find_shape, find_shapes};
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
 

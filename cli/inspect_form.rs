@@ -6,7 +6,7 @@ use treegen_runtime::export::{PlacedSolid, write_form};
 use treegen_runtime::trace::Derivable;
 
 use crate::compile::Understood;
-use crate::console::Console;
+use crate::console::{Console, shown_text};
 use crate::exit::{Exit, Failure};
 
 /// The stems and solids of a shape, as JSON.
@@ -15,6 +15,11 @@ use crate::exit::{Exit, Failure};
 /// What fails in its derivation.
 pub fn text(understood: &Understood, found: &Derivable, limits: &Limits, console: Console) -> Result<Vec<u8>, Failure> {
     let scene = &understood.scene;
+    if scene.graph.shape(found.shape).splitting.is_some() {
+        let name = &scene.graph.system(scene.graph.shape(found.shape).system).name;
+        let message = format!("`{}` is a hull, which has planes and no segments", shown_text(name));
+        return Err(Failure::usage(message).help("`--expand` writes its planes, `--derivation` how they came about"));
+    }
     let mut solids: Vec<PlacedSolid> = Vec::new();
     let derived = Deriver::new(&scene.graph, scene.seed, limits).derive(found.shape, &found.env, &mut solids);
     let list = derived.map_err(|fault| understood.failure(&fault, console))?;

@@ -3,12 +3,16 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+#[path = "common/examples.rs"]
+mod examples;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use treegen_compiler::{Page, pages};
+use examples::{Example, examples};
+use treegen_compiler::pages;
 
 /// Codes that no short program gives, and why.
 const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
@@ -31,47 +35,6 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("E1006", "types are checked before, so nothing is known to give it"),
     ("E1012", "it is no program that gives it"),
 ];
-
-/// One example: its files and the command line that shows what it shows.
-struct Example {
-    files: Vec<(String, String)>,
-    arguments: Vec<String>,
-}
-
-/// The examples of a page: what is indented, in order.
-fn examples(page: &Page) -> Vec<Example> {
-    let mut blocks: Vec<Vec<&str>> = Vec::new();
-    let mut is_inside = false;
-    for line in page.text.lines() {
-        match (line.strip_prefix("    "), line.is_empty()) {
-            (Some(code), _) if is_inside => blocks.last_mut().unwrap().push(code),
-            (Some(code), _) => blocks.push(vec![code]),
-            (None, true) if is_inside => blocks.last_mut().unwrap().push(""),
-            (None, _) => {}
-        }
-        is_inside = line.starts_with("    ") || is_inside && line.is_empty();
-    }
-    blocks.iter().map(|it| example(it)).collect()
-}
-
-fn example(lines: &[&str]) -> Example {
-    let mut arguments: Vec<String> = ["check", "main.tg"].map(str::to_owned).to_vec();
-    let mut files = vec![("main.tg".to_owned(), String::new())];
-    for line in lines {
-        let file = line.strip_prefix("// ").filter(|it| !it.contains(' '));
-        let file = file.filter(|it| it.ends_with(".tg") || it.ends_with(".obj"));
-        if let Some(command) = line.strip_prefix("$ treegen ") {
-            arguments = command.split(' ').map(str::to_owned).collect();
-        } else if let Some(file) = file {
-            files.push((file.to_owned(), String::new()));
-        } else {
-            let text = &mut files.last_mut().unwrap().1;
-            text.push_str(line);
-            text.push('\n');
-        }
-    }
-    Example { files: files.into_iter().filter(|it| !it.1.trim().is_empty()).collect(), arguments }
-}
 
 /// What the command line says about an example: the codes that begin so, each once, and all of it.
 fn told(example: &Example, kinds: &str) -> (BTreeSet<String>, String) {

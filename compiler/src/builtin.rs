@@ -162,6 +162,11 @@ pub(crate) fn describe(name: &str) -> Option<&'static str> {
     }
 }
 
+/// What a name stands for where no program defines it: as [`describe`] says, or a word of walks.
+pub(crate) fn word_for(name: &str) -> Option<&'static str> {
+    describe(name).or_else(|| is_walk_word(name).then_some("word of walks"))
+}
+
 /// Whether walks know this name, besides what [`describe`] knows.
 pub(crate) fn is_walk_word(name: &str) -> bool {
     WALK_WORDS.iter().any(|it| it.0 == name)

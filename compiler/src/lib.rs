@@ -81,6 +81,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     let mut sources = Sources::default();
     let mut problems = Vec::new();
     let units = load::load(main, loader, &mut sources, &mut problems);
+    let own = problems.len();
     let overrides = settings::find(&options.settings, &units, &mut sources, &mut problems);
     let most_triangles = options.limits.mesh_triangles;
     let input = resolve::Input {
@@ -100,6 +101,7 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     let setting = scene::setting(&mut constants, &mut pictures::Pictures::new(loader, &sources));
     let found = constants.done();
     problems.extend(found.problems);
+    load::drop_consequences(&units, own, &mut problems);
     settings::mark(&mut problems, units.len());
     let scene = if problems.iter().any(Problem::is_error) {
         None
@@ -144,6 +146,12 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     }
     show::sort(&mut problems);
     problems
+}
+
+/// Warnings about hulls that have nothing in them, whatever is drawn.
+pub fn empty_hulls(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
+    let hulls = compiled.scene.iter().flat_map(|it| treegen_runtime::empty_hulls(it, limits));
+    hulls.filter_map(words::fault::span).map(words::warnings::empty_hull).collect()
 }
 
 /// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.

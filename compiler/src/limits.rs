@@ -8,6 +8,7 @@ use crate::check::MAX_LISTS;
 use crate::load::{MAX_BYTES, MAX_FILES};
 use crate::lower::MAX_NODES;
 use crate::resolve::MAX_SLOTS;
+use crate::scene::MAX_SUNS;
 use crate::show::MOST_SHOWN;
 use crate::words::fault::limit_code;
 use crate::{meshes, pictures};
@@ -82,6 +83,7 @@ const OF_TEXT: &[(&str, &str, u64, &str)] = &[
     ("picture-bytes", "bytes of a picture's file", pictures::MAX_BYTES, "E0901"),
     ("picture-pixels", "pixels of all pictures of a program", pictures::MAX_PIXELS, "E0909"),
     ("mesh-bytes", "bytes of a mesh's file", meshes::MAX_BYTES, "E0901"),
+    ("suns", "suns of a scene", MAX_SUNS as u64, "E0902"),
     ("nodes", "nodes of the graph that a program is lowered to", MAX_NODES as u64, "E0905"),
 ];
 

@@ -3,7 +3,7 @@
 //! Each file is read once, whatever leads to it. Files are numbered in the order in which they are first named.
 
 use treegen_grammar::ast::{self, ItemKind};
-use treegen_grammar::{FileId, Span, parse};
+use treegen_grammar::{FileId, Span, Unread, parse};
 
 use crate::loader::{Loaded, Loader};
 use crate::problem::Problem;
@@ -23,6 +23,16 @@ pub(crate) struct Unit {
     pub(crate) tree: ast::File,
     /// For each `use` in it, in order, what it leads to; `None` if that could not be read.
     pub(crate) uses: Vec<Option<FileId>>,
+    /// What of it could not be read.
+    pub(crate) unread: Unread,
+}
+
+/// Leaves out what is told of the pieces that could not be read: of those their own mistakes are told. The first `own` problems
+/// are those.
+pub(crate) fn drop_consequences(units: &[Unit], own: usize, problems: &mut Vec<Problem>) {
+    let is_unread = |it: Span| units.get(it.file.0 as usize).is_some_and(|unit| unit.unread.holds(it));
+    let later = problems.split_off(own.min(problems.len()));
+    problems.extend(later.into_iter().filter(|it| !it.labels.iter().any(|it| is_unread(it.span))));
 }
 
 /// Reads the program and what it uses. Unit n is file n.
@@ -61,7 +71,7 @@ impl Reader<'_> {
         let parsed = parse(file, text);
         self.problems.extend(parsed.errors.iter().map(words::syntax::problem));
         let broken: Vec<Span> = parsed.errors.iter().map(|it| it.span).collect();
-        self.units.push(Unit { tree: parsed.file, uses: Vec::new() });
+        self.units.push(Unit { tree: parsed.file, uses: Vec::new(), unread: parsed.unread });
         self.broken.push(broken);
         file
     }

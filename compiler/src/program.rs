@@ -65,6 +65,10 @@ pub(crate) struct Program {
     pub(crate) last_system: Option<SystemId>,
     /// The meshes that its primitives name.
     pub(crate) meshes: Vec<Arc<Triangles>>,
+    /// Whether a part of the main file could not be read, so that it may have more than is here.
+    pub(crate) is_partial: bool,
+    /// Where the last item of the main file ends, in bytes.
+    pub(crate) end: u32,
 }
 
 /// A definition, whatever its kind: its name, its place, and which definitions it uses.

@@ -11,13 +11,8 @@ use crate::statements::Finding;
 use crate::token::Token;
 use crate::{FileId, MAX_ERRORS, MAX_NESTING, Span};
 
-/// Balances the tokens of a text of `length` bytes. `None` when they are.
-pub(crate) fn balance<'a>(
-    file: FileId,
-    length: u32,
-    tokens: &[Placed<'a>],
-    findings: &mut Vec<Finding>,
-) -> Option<Vec<Placed<'a>>> {
+/// Balances the tokens of a text. `None` when they are.
+pub(crate) fn balance<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Option<Vec<Placed<'a>>> {
     let segments = segments(tokens);
     if segments.iter().all(|it| Surplus::of(it).is_none()) {
         return None;
@@ -31,7 +26,7 @@ pub(crate) fn balance<'a>(
         forgiven: Counts::default(),
         surplus: Surplus::Unclear,
         indent: 0,
-        pending: false,
+        pending: 0,
         separator: None,
         item: 0,
         kind: None,
@@ -39,14 +34,12 @@ pub(crate) fn balance<'a>(
         last_word: 0,
         just_dropped: false,
     };
-    let mut rest = tokens;
     for segment in segments {
-        rest = rest.get(segment.len()..).unwrap_or_default();
         match Surplus::of(segment) {
             None => repair.out.extend_from_slice(segment),
             Some(surplus) => {
                 repair.surplus = surplus;
-                repair.segment(segment, rest.first().map_or((length, length), |it| (it.start, it.end)));
+                repair.segment(segment);
             }
         }
     }
@@ -131,6 +124,10 @@ struct Open<'a> {
     holds_members: bool,
     /// Whether it is the body of a `repeat` or an `if`, which holds no `;`.
     is_body: bool,
+    /// Whether it holds arguments.
+    is_call: bool,
+    /// Where in it two values stand side by side, so that the first may be the last one that belongs there.
+    gap: Option<u32>,
 }
 
 struct Repair<'a, 'f> {
@@ -145,8 +142,8 @@ struct Repair<'a, 'f> {
     surplus: Surplus,
     /// The column where the line at hand begins.
     indent: u32,
-    /// Whether the next `{` opens a body.
-    pending: bool,
+    /// How many `repeat`s and `if`s wait for the `{` of their body.
+    pending: usize,
     /// Where in the output the last `;` stands.
     separator: Option<usize>,
     /// Where the item begins, and its first word.
@@ -161,8 +158,8 @@ struct Repair<'a, 'f> {
 }
 
 impl<'a> Repair<'a, '_> {
-    /// Reads an item, which `after` follows.
-    fn segment(&mut self, tokens: &[Placed<'a>], after: (u32, u32)) {
+    /// Reads an item.
+    fn segment(&mut self, tokens: &[Placed<'a>]) {
         self.item = tokens.first().map_or(0, |it| it.start);
         self.kind = tokens.first().map(|it| it.token);
         let mut words = tokens.iter().filter(|it| !it.token.is_closer());
@@ -183,7 +180,7 @@ impl<'a> Repair<'a, '_> {
                 _ => self.other(it),
             }
         }
-        self.end(after);
+        self.end();
     }
 
     /// Takes note of the first word of a member.
@@ -199,14 +196,14 @@ impl<'a> Repair<'a, '_> {
         let is_system = matches!(self.kind, Some(Token::Csg | Token::Shape | Token::Hull));
         if is_system && self.open.first().is_some_and(|it| it.closer != Token::CloseCurly) {
             // The head of a system has no braces, so its parentheses end here.
-            self.unclosed((it.start, it.end));
+            self.unclosed();
             self.close_down_to(0);
         }
         let begins_record = self.out.last().is_some_and(|it| it.token.is_name());
         if self.kind == Some(Token::Scene) && self.surplus == Surplus::Opening && self.open.len() > 1 && begins_record {
             // A record stands in the scene itself, so the one before ends here.
             let name = self.out.pop();
-            self.unclosed((it.start, it.end));
+            self.unclosed();
             self.close_down_to(1);
             self.out.extend(name);
         }
@@ -221,10 +218,15 @@ impl<'a> Repair<'a, '_> {
         let Some(closer) = it.token.closer() else {
             return;
         };
-        let is_body = it.token == Token::OpenCurly && std::mem::take(&mut self.pending);
+        let follows_else = self.out.last().is_some_and(|it| it.token == Token::Else);
+        let is_body = it.token == Token::OpenCurly && (self.pending > 0 || follows_else);
+        if is_body && !follows_else {
+            self.pending -= 1;
+        }
         let place = Span::new(self.file, it.start, it.end);
         let (at, indent) = (self.out.len(), self.indent);
-        self.open.push(Open { place, closer, at, indent, holds_members, is_body });
+        let is_call = it.token == Token::OpenRound && self.out.last().is_some_and(|it| it.token.is_name());
+        self.open.push(Open { place, closer, at, indent, holds_members, is_body, is_call, gap: None });
         *self.counts.of(closer) += 1;
         self.push(it);
     }
@@ -245,7 +247,7 @@ impl<'a> Repair<'a, '_> {
             }
         }
         if self.open.last().is_some_and(|open| open.closer != it.token) {
-            self.unclosed((it.start, it.end));
+            self.unclosed();
             while self.open.last().is_some_and(|open| open.closer != it.token) {
                 self.put_in_closer();
             }
@@ -260,7 +262,7 @@ impl<'a> Repair<'a, '_> {
         let deeper = self.open.iter().rev().take(MAX_NESTING).take_while(|open| open.indent > column).count();
         let partner = self.open.len().checked_sub(deeper + 1).and_then(|at| self.open.get(at));
         if deeper > 0 && partner.is_some_and(|it| it.indent == column && it.closer == brace.token) {
-            self.unclosed((brace.start, brace.end));
+            self.unclosed();
             for _ in 0..deeper {
                 self.put_in_closer();
             }
@@ -269,14 +271,14 @@ impl<'a> Repair<'a, '_> {
 
     fn semicolon(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
         if self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
-            self.unclosed((it.start, it.end));
+            self.unclosed();
             while self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
                 self.put_in_closer();
             }
         }
         let goes_on = next.is_some_and(|it| it.token != Token::CloseCurly);
         if self.surplus == Surplus::Opening && goes_on && self.open.last().is_some_and(|open| open.is_body) {
-            self.unclosed((it.start, it.end));
+            self.unclosed();
             while self.open.last().is_some_and(|open| open.is_body) {
                 self.put_in_closer();
             }
@@ -284,7 +286,7 @@ impl<'a> Repair<'a, '_> {
         if self.open.last().is_none_or(|open| open.holds_members) {
             self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
         }
-        self.separator = Some(self.out.len());
+        (self.separator, self.pending) = (Some(self.out.len()), 0);
         self.push(it);
     }
 
@@ -292,21 +294,24 @@ impl<'a> Repair<'a, '_> {
         let is_arrow = matches!(it.token, Token::Replace | Token::Append);
         let begins_member = it.token.begins_member() && !matches!(it.token, Token::Let | Token::Fn);
         if is_arrow || begins_member {
-            self.close_to_members(it, is_arrow);
+            self.close_to_members(is_arrow);
         }
         let in_group = self.open.len() == 2 && self.open.last().is_some_and(|it| it.holds_members);
         let in_record = self.kind == Some(Token::Scene) && it.token == Token::Show && self.open.len() > 1;
         if self.surplus == Surplus::Opening && (begins_member && in_group || in_record) {
             // Neither has a place in a group of rules or in a record.
-            self.unclosed((it.start, it.end));
+            self.unclosed();
             self.close_down_to(1);
         }
         if begins_member {
             self.member = Some(it.token);
         }
+        self.watch_gap(it);
         match it.token {
-            Token::Repeat | Token::If | Token::Else => self.pending = true,
-            Token::Replace | Token::Append => self.pending = false,
+            Token::Repeat | Token::If => self.pending += 1,
+            // That `if` is one between values.
+            Token::Then => self.pending = self.pending.saturating_sub(1),
+            Token::Replace | Token::Append => self.pending = 0,
             _ => {}
         }
         self.push(it);
@@ -314,7 +319,7 @@ impl<'a> Repair<'a, '_> {
 
     /// An arrow or the first word of a member shows that all brackets within the member before are closed. The head of
     /// a rule stands before its arrow, so they are then closed before the last `;`.
-    fn close_to_members(&mut self, it: &Placed<'a>, is_arrow: bool) {
+    fn close_to_members(&mut self, is_arrow: bool) {
         if !self.open.first().is_some_and(|open| open.holds_members) {
             return;
         }
@@ -326,7 +331,7 @@ impl<'a> Repair<'a, '_> {
         let opened = self.open.last().map_or(0, |open| open.at);
         let head = self.separator.filter(|&at| is_arrow && at > opened);
         let tail = head.map(|at| self.out.split_off(at)).unwrap_or_default();
-        self.unclosed((it.start, it.end));
+        self.unclosed();
         for _ in 0..within {
             self.put_in_closer();
         }
@@ -334,19 +339,31 @@ impl<'a> Repair<'a, '_> {
     }
 
     /// The item is over.
-    fn end(&mut self, after: (u32, u32)) {
+    fn end(&mut self) {
         if !self.open.is_empty() {
-            self.unclosed(after);
+            self.unclosed();
         }
         self.close_down_to(0);
         self.forgiven = Counts { curly: self.forgiven.curly, ..Counts::default() };
-        (self.pending, self.separator, self.just_dropped) = (false, None, false);
+        (self.pending, self.separator, self.just_dropped) = (0, None, false);
     }
 
     fn pop(&mut self) -> Option<Open<'a>> {
         let open = self.open.pop()?;
         *self.counts.of(open.closer) -= 1;
         Some(open)
+    }
+
+    /// Takes note of where a value follows another one. Outside of arguments only numbers and texts show that: solids stand
+    /// side by side.
+    fn watch_gap(&mut self, it: &Placed<'a>) {
+        let begins_value = matches!(it.token, Token::Name(_) | Token::Number(_) | Token::Text(_));
+        let (Some(open), Some(before)) = (self.open.last_mut(), self.out.last()) else { return };
+        let is_number = matches!(before.token, Token::Number(_) | Token::Text(_));
+        let ends_it = is_number || open.is_call && before.token.ends_value();
+        if begins_value && ends_it && open.closer != Token::CloseCurly {
+            open.gap.get_or_insert(before.end);
+        }
     }
 
     fn push(&mut self, it: &Placed<'a>) {
@@ -381,14 +398,15 @@ impl<'a> Repair<'a, '_> {
         self.just_dropped = true;
     }
 
-    /// Tells that the innermost bracket is open, which `found` shows.
-    fn unclosed(&mut self, found: (u32, u32)) {
+    /// Tells that the innermost bracket is open: after the last token, unless something in it shows where it should end.
+    fn unclosed(&mut self) {
         let Some(open) = self.open.last().copied() else {
             return;
         };
         let kind = SyntaxErrorKind::UnclosedBracket { open: open.place, close: letter(open.closer) };
-        let until = self.out.last().map_or(found.0, |it| it.end).saturating_sub(1);
-        self.report(found, kind, (!open.holds_members).then_some((open.place.start, until)));
+        let end = self.out.last().map_or(open.place.end, |it| it.end);
+        let place = open.gap.unwrap_or(end);
+        self.report((place, place), kind, (!open.holds_members).then_some((open.place.start, end.saturating_sub(1))));
     }
 
     fn report(&mut self, (start, end): (u32, u32), kind: SyntaxErrorKind, confuses: Option<(u32, u32)>) {

@@ -51,7 +51,8 @@ pub enum SyntaxErrorKind {
     BadEscape,
     /// Something that begins as a number and is none.
     BadNumber(NumberProblem),
-    /// A bracket was opened and not closed. The place is where that was noticed.
+    /// A bracket was opened and not closed. The place is the end of the last token that
+    /// seems to belong into it.
     UnclosedBracket {
         /// The opening bracket.
         open: Span,
@@ -77,6 +78,11 @@ pub enum SyntaxErrorKind {
     ReservedWord {
         /// The word.
         word: &'static str,
+    },
+    /// A number behind the name of a solid or a transformation: `rotz 30`.
+    BareArgument {
+        /// The name.
+        name: String,
     },
     /// A token that has no place here.
     Unexpected {

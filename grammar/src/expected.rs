@@ -56,6 +56,11 @@ fn special_kind(situation: &Situation<'_>, expected: &Expected<'_>) -> Option<Sy
     if expected.has(",") && follows_value && begins_value(found) {
         return Some(SyntaxErrorKind::MissingComma);
     }
+    if let (Token::Number(_), Some(Token::Name(name))) = (found, situation.before)
+        && expected.has("repeat")
+    {
+        return Some(SyntaxErrorKind::BareArgument { name: name.to_owned() });
+    }
     if expected.has("name") {
         return found.reserved_word().map(|word| SyntaxErrorKind::ReservedWord { word });
     }

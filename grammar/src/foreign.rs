@@ -45,7 +45,7 @@ fn look_alike(letter: char) -> Option<&'static str> {
         ("АВЕЅІЈКМНОРСТХУ", "ABESIJKMHOPCTXY"),
         ("аеѕіјорсухԁһѵѡ", "aesijopcyxdhvw"),
         ("ΑΒΕΖΗΙΚΜΝΟΡΤΥΧ", "ABEZHIKMNOPTYX"),
-        ("ονυKıſ", "ovuKis"),
+        ("ονυ\u{212A}ıſ", "ovuKis"),
     ];
     PAIRS.iter().find_map(|(foreign, latin)| {
         let at = foreign.chars().position(|it| it == letter)?;

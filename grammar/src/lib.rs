@@ -19,12 +19,14 @@ mod statements;
 mod stretches;
 mod text;
 mod token;
+mod unread;
 mod verdict;
 
 pub use error::{NumberProblem, SyntaxError, SyntaxErrorKind};
 pub use format::format;
 pub use parse::{Parsed, parse};
 pub use span::{FileId, Span};
+pub use unread::Unread;
 
 /// How deep brackets, `if`s and signs of exponents may be nested in one another.
 ///

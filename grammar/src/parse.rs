@@ -8,6 +8,7 @@ use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::lexer::lex;
 use crate::statements::mark;
 use crate::token::Token;
+use crate::unread::{Places, Unread};
 use crate::verdict::Verdict;
 use crate::{FileId, MAX_ERRORS, MAX_SOURCE_BYTES, Span, ast, grammar};
 
@@ -18,6 +19,8 @@ pub struct Parsed {
     pub file: ast::File,
     /// Every mistake, sorted by place. The tree is whole exactly when there are none.
     pub errors: Vec<SyntaxError>,
+    /// Where the tree lacks something that the text may have.
+    pub unread: Unread,
 }
 
 /// Reads a text.
@@ -29,11 +32,12 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
     };
     if let Some(kind) = unread {
         let errors = vec![SyntaxError { span: Span::new(file, 0, 0), kind }];
-        return Parsed { file: ast::File::default(), errors };
+        let unread = Unread { pieces: vec![(0, text.len() as u32)], ends_early: true };
+        return Parsed { file: ast::File::default(), errors, unread };
     }
     let mut lexed = lex(file, text);
     let mut findings = Vec::new();
-    let balanced = balance(file, text.len() as u32, &lexed.tokens, &mut findings);
+    let balanced = balance(file, &lexed.tokens, &mut findings);
     let statements = mark(file, balanced.as_ref().unwrap_or(&lexed.tokens), &mut findings);
 
     let progress = Progress::default();
@@ -44,8 +48,12 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         Vec::new()
     });
     let comments = std::mem::take(&mut lexed.comments);
-    let errors = Verdict::new(file, text, &lexed, &statements, &findings, &context.mistakes).errors(findings);
-    Parsed { file: ast::File { items, comments }, errors }
+    let verdict = Verdict::new(file, text, &lexed, &statements, &findings, &context.mistakes);
+    let (lexed, statements, mistakes) = (&lexed, &statements, &context.mistakes);
+    let places = Places { lexed, statements, findings: &findings, mistakes };
+    let unread = places.unread(text.len() as u32, |it| verdict.is_sign(it));
+    let errors = verdict.errors(findings);
+    Parsed { file: ast::File { items, comments }, errors, unread }
 }
 
 /// Whether a text begins as UTF-16 or UTF-32 does when it is read byte by byte: every second byte or more is zero.

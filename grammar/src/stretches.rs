@@ -19,6 +19,11 @@ impl Stretches {
         Self(apart)
     }
 
+    /// They themselves, none of them beyond the end of a text of `length` bytes.
+    pub(crate) fn pieces(self, length: u32) -> Vec<(u32, u32)> {
+        self.0.into_iter().map(|it| (it.0.min(length), it.1.min(length))).collect()
+    }
+
     /// Whether `offset` lies in one of them, and not at its beginning.
     pub(crate) fn hold(&self, offset: u32) -> bool {
         let at = self.0.partition_point(|it| it.0 < offset);

@@ -6,7 +6,7 @@ use logos::Logos;
 ///
 /// The last few variants are never written by anybody: [`crate::statements`] adds them to guide the parser.
 #[derive(Clone, Copy, Debug, Logos, PartialEq)]
-#[logos(skip r"[ \t\r\n\x0C]+")]
+#[logos(skip r"([ \t\n]|\r\n)+")]
 pub(crate) enum Token<'a> {
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*", |lex| lex.slice())]
     Name(&'a str),

@@ -67,13 +67,28 @@ impl<'t, 'a> Verdict<'t, 'a> {
         errors
     }
 
+    /// Whether a mistake of the parser is one sign for another, and what is around it is understood.
+    pub(crate) fn is_sign(&self, mistake: &Mistake<'a>) -> bool {
+        use SyntaxErrorKind::{ChainedComparison, SingleEquals};
+        self.tells_mistake(mistake) && matches!(self.error(mistake).kind, SingleEquals | ChainedComparison)
+    }
+
     fn tells_finding(&self, finding: &Finding) -> bool {
         let place = finding.error.span.start;
         let put_in = matches!(finding.error.kind, SyntaxErrorKind::MissingSemicolon | SyntaxErrorKind::MissingComma);
         // What was put in and did not help, or where nothing could be read anyway, was not what is missing.
         let helps = self.in_vain.binary_search(&place).is_err() && !self.lost.hold(place);
-        let (from, until) = finding.confuses.unwrap_or((place, place));
-        !self.confused.hold(from) && !self.unreadable.hold(until) && (helps || !put_in)
+        // A bracket that is missing after a statement is not within it.
+        let after = place + u32::from(matches!(finding.error.kind, SyntaxErrorKind::UnclosedBracket { .. }));
+        let (from, until) = finding.confuses.unwrap_or((after, after));
+        !self.confused.hold(from) && !self.unreadable.hold(until) && (helps || !put_in) && !self.is_swallowed(finding)
+    }
+
+    /// Whether what is missing may stand in a comment that has no end.
+    fn is_swallowed(&self, finding: &Finding) -> bool {
+        let is_open = matches!(finding.error.kind, SyntaxErrorKind::UnclosedBracket { .. });
+        let last = self.lexed.tokens.last().map_or(0, |it| it.end);
+        self.lexed.cut.is_some() && is_open && finding.error.span.start >= last
     }
 
     fn tells_mistake(&self, mistake: &Mistake<'_>) -> bool {

@@ -87,3 +87,21 @@ fn after_too_many_mistakes_the_rest_is_not_read() {
         assert_eq!(errors.last().map(|it| &it.kind), Some(&SyntaxErrorKind::TooManyErrors));
     }
 }
+
+/// The pieces of a text that its tree says nothing about.
+fn unread(text: &str) -> (Vec<&str>, bool) {
+    let unread = read(text).unread;
+    (unread.pieces.iter().map(|it| text[it.0 as usize..it.1 as usize].trim()).collect(), unread.ends_early)
+}
+
+#[test]
+fn what_could_not_be_read_is_known() {
+    assert_eq!(unread("let a = 1; csg B { start c; }"), (vec![], false));
+    // A sign for another one, or one that is put in, leaves all understood.
+    assert_eq!(unread("csg B { start c\n d(e) if e == 1 -> f; }"), (vec![], false));
+    assert_eq!(unread("fn f(, b) = b; let c = f(1, 2);"), (vec!["fn f(, b) = b;"], false));
+    assert_eq!(unread("csg A { start b; c(d -> e; f -> g; } let h = 1;"), (vec!["c(d -> e;"], false));
+    assert_eq!(unread("csg A { start b; c -> d(e"), (vec!["c -> d(e"], true));
+    assert_eq!(unread("let a = 1; let b = 2"), (vec![], true));
+    assert!(unread("csg A { start b; } /* so").1);
+}

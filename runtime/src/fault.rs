@@ -83,6 +83,8 @@ pub enum FaultKind {
         low: f64,
         /// The most.
         high: f64,
+        /// Where the range is written, if the fault's place is that of the value.
+        range: Origin,
     },
     /// A number that should be whole and at least so much.
     Whole {

@@ -136,3 +136,64 @@ fn what_is_no_text_is_told_with_its_place_and_what_it_looks_like() {
     }
     assert_eq!(folder.names(), ["a.tg"]);
 }
+
+/// What is no UTF-8: stray and missing bytes of every length, too long forms, surrogates, and what lies beyond the last character.
+const NO_TEXT: [&[u8]; 19] = [
+    b"\x80",
+    b"\xbf",
+    b"\xc0\x80",
+    b"\xc1\xbf",
+    b"\xc3",
+    b"\xc3(",
+    b"\xe0\x80\x80",
+    b"\xe2\x82",
+    b"\xe2(\xa1",
+    b"\xe2\x82(",
+    b"\xed\xa0\x80",
+    b"\xed\xbf\xbf",
+    b"\xf0\x80\x80\x80",
+    b"\xf0\x9f\x98",
+    b"\xf0(\x8c\xbc",
+    b"\xf4\x90\x80\x80",
+    b"\xf5\x80\x80\x80",
+    b"\xfe",
+    b"\xff",
+];
+
+#[test]
+fn bytes_that_are_no_text_are_told_by_their_place_wherever_they_stand() {
+    let folder = Folder::with(&[]);
+    for bytes in NO_TEXT {
+        for (before, after) in
+            [("csg A { start ", "sphere; }"), ("// ", "\ncsg A { start sphere; }"), ("use \"", "\";")]
+        {
+            let text = [before.as_bytes(), bytes, after.as_bytes()].concat();
+            folder.write("a.tg", &text);
+            folder.run(&["check", "a.tg"]).ended(1).saying(&["a.tg", &format!("byte {}", before.len())]);
+        }
+    }
+    for at in [4095, 4096, 8191, 8192, 1_000_000] {
+        folder.write("a.tg", &[" ".repeat(at).as_bytes(), b"\xe2\x82", b" "].concat());
+        folder.run(&["check", "a.tg"]).ended(1).saying(&[&format!("byte {at}")]);
+    }
+}
+
+#[test]
+fn what_is_no_program_at_all_is_told_in_one_message() {
+    let folder = Folder::with(&[]);
+    let noise: Vec<u8> = (0..4000_u32).map(|it| (it.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    let ebcdic = [0xc3, 0xe2, 0xc7, 0x40, 0xc1, 0x40, 0xc0, 0x40, 0xd0];
+    let files: [&[u8]; 6] = [
+        b"\xff\xfe\0\0c\0\0\0",
+        b"\0\0\xfe\xff\0\0\0c",
+        b"\xfe\xff\0c",
+        b"\x7fELF\x02\x01\x01\x00\x80",
+        &ebcdic,
+        &noise,
+    ];
+    for bytes in files {
+        folder.write("a.tg", bytes);
+        let said = folder.run(&["check", "a.tg"]).ended(1).said;
+        assert_eq!(said.matches("error").count(), 1, "{said}");
+    }
+}

@@ -34,6 +34,15 @@ fn lines(out: &[u8]) -> Vec<Value> {
 }
 
 #[test]
+fn a_hull_has_no_segments() {
+    let hull =
+        "hull Crown { prune none; start repeat 4 as i { [ rotz(90 * i) rotx(60) normal(1) ] } rotx(180) normal(1); }";
+    let folder = Folder::with(&[("a.tg", hull)]);
+    folder.run(&["inspect", "a.tg", "--form", "segments"]).ended(2).saying(&["`Crown` is a hull", "--derivation"]);
+    folder.run(&["inspect", "a.tg", "--derivation"]).ended(0);
+}
+
+#[test]
 fn every_line_is_an_object_and_the_primitives_come_last() {
     let folder = Folder::with(&[("a.tg", PAINTED)]);
     let out = folder.run(&["inspect", "a.tg", "--expand"]).ended(0).out;

@@ -56,6 +56,8 @@ pub(super) struct Infer<'a> {
     lists_too_deep: bool,
     /// Where a problem was reported: each place has one.
     reported: HashSet<Span>,
+    /// The angles that were warned of.
+    pub(super) hinted: HashSet<Span>,
     /// The definition that is looked at, and those in which problems were found.
     pub(super) def: DefId,
     pub(super) broken: Vec<DefId>,
@@ -85,6 +87,7 @@ impl<'a> Infer<'a> {
             problems: Vec::new(),
             lists_too_deep: false,
             reported: HashSet::new(),
+            hinted: HashSet::new(),
             def: DefId(0),
             broken: Vec::new(),
         }
@@ -121,7 +124,23 @@ impl<'a> Infer<'a> {
         let found = self.expr(site, expr);
         if found.join(needed).is_none() {
             let (needed, found) = (self.name(needed), self.name(&found));
-            self.report(words::mismatch(what, &needed, &found, expr.span));
+            let problem = words::mismatch(what, &needed, &found, expr.span);
+            self.report(self.with_origin(problem, site, expr, &found));
+        }
+    }
+
+    /// Shows where the value of a name comes from.
+    fn with_origin(&self, problem: Problem, site: Site<'_>, expr: &Expr, is: &str) -> Problem {
+        let found = match &expr.kind {
+            ExprKind::Global(id) => self.program.globals.get(id.index()).map(|it| it.value.span),
+            ExprKind::Slot(slot) => {
+                site.system.and_then(|it| self.slots.get(it.index())?.get(*slot as usize)).and_then(|it| it.span)
+            }
+            _ => None,
+        };
+        match found {
+            Some(origin) => problem.and(origin, format!("{is} by this")),
+            None => problem,
         }
     }
 
@@ -340,17 +359,24 @@ impl<'a> Infer<'a> {
     fn binary_chain(&mut self, site: Site<'_>, first: &Expr, rest: &[(BinaryOp, Span, Expr)]) -> Type {
         let mut left = self.expr(site, first);
         let mut span = first.span;
+        // While that is one operand, it may be a name.
+        let mut only = Some(first);
         for (op, place, operand) in rest {
             let right = self.expr(site, operand);
             let Some(result) = binary(*op, &left, &right) else {
                 let (is, was) = (self.name(&right), self.name(&left));
-                self.report(words::operands(sign(*op), &was, &is, *place, (span, operand.span)));
+                let mut problem = words::operands(sign(*op), &was, &is, *place, (span, operand.span));
+                for (expr, is) in only.map(|it| (it, &was)).into_iter().chain([(operand, &is)]) {
+                    problem = self.with_origin(problem, site, expr, is);
+                }
+                self.report(problem);
+                only = None;
                 // The rest is looked at for its own mistakes.
                 left = Type::Unknown;
                 span = first.span.to(operand.span);
                 continue;
             };
-            left = result;
+            (left, only) = (result, None);
             span = first.span.to(operand.span);
         }
         left
@@ -359,6 +385,9 @@ impl<'a> Infer<'a> {
     fn builtin(&mut self, site: Site<'_>, function: Builtin, args: &[Expr]) -> Type {
         let name = builtin::FUNCTIONS.iter().find(|it| it.1 == function).map_or("", |it| it.0);
         let kinds: Vec<Type> = args.iter().map(|it| self.expr(site, it)).collect();
+        if let (Builtin::Sin | Builtin::Cos | Builtin::Tan, [angle]) = (function, args) {
+            self.angle(site, name, angle);
+        }
         let vector = |it: &Type| matches!(it, Type::Vector(_) | Type::Unknown);
         let (needed, result): (&str, Type) = match function {
             Builtin::Mix => return self.mix(name, args, &kinds),

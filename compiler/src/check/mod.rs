@@ -6,6 +6,7 @@ mod circles;
 mod counters;
 mod guards;
 mod infer;
+mod radians;
 mod rules;
 mod shown;
 mod solids;
@@ -16,6 +17,7 @@ mod walks;
 
 pub(crate) use counters::Counter;
 pub(crate) use infer::MAX_LISTS;
+pub(crate) use radians::OfPi;
 
 use crate::problem::Problem;
 use crate::program::{DefId, Program};

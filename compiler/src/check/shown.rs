@@ -46,15 +46,18 @@ fn root(program: &Program, problems: &mut Vec<Problem>) -> Option<DefId> {
         }
         return Some(scene.def);
     }
+    // Text that could not be read may have held the scene.
     let Some(last) = program.last_system else {
-        // Text that could not be read may have held what is shown.
-        if problems.iter().all(|it| !it.is_error()) {
-            let start = Span::new(FileId::MAIN, 0, 0);
-            problems.push(words::records::nothing_to_show(start, "neither a scene nor a system in this file"));
+        if !program.is_partial {
+            let place = Span::new(FileId::MAIN, program.end, program.end);
+            problems.push(words::records::nothing_to_show(place, "neither a scene nor a system in this file"));
         }
         return None;
     };
     let system = &program.systems[last.index()];
+    if program.is_partial {
+        return Some(system.def);
+    }
     if let Some(formal) = system.formals.iter().find(|it| it.default.is_none() && !program.def(it.def).broken) {
         let span = program.def(formal.def).span;
         problems.push(words::records::not_alone(&system.name, span, &formal.name));

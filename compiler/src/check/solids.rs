@@ -8,6 +8,8 @@ use crate::program::{
     Solid, SolidKind, Step, Stride, SystemId,
 };
 
+use treegen_runtime::form::TransformKind;
+
 use super::infer::{Infer, Site};
 use super::types::Type;
 
@@ -105,6 +107,9 @@ impl Infer<'_> {
         for field in &record.fields {
             if let FieldValue::Expr(expr) = &field.value {
                 self.expr(FILE, expr);
+                if field.name == "fov" {
+                    self.angle(FILE, field.name, expr);
+                }
             }
         }
     }
@@ -237,6 +242,9 @@ impl Infer<'_> {
                     let needed = if is_direction { Type::Vector(3) } else { Type::Number };
                     let name = builtin::WALK_WORDS.iter().find(|it| it.1 == *word).map_or("", |it| it.0);
                     self.expect(site, arg, &needed, &format!("an argument of `{name}`"));
+                    if *word == WalkWord::Toward && !is_direction {
+                        self.angle(site, name, arg);
+                    }
                 }
             }
         }
@@ -257,6 +265,10 @@ impl Infer<'_> {
             PrefixKind::Transform { kind, args, flat } => {
                 let groups = builtin::TRANSFORMS.iter().find(|it| it.kind == *kind).map_or(&[][..], |it| it.groups);
                 self.numbers(site, kind.name(), args, groups, *flat);
+                use TransformKind::{RotX, RotY, RotZ, Rotate};
+                if let (RotX | RotY | RotZ | Rotate, Some(angle)) = (kind, args.last()) {
+                    self.angle(site, kind.name(), angle);
+                }
             }
             PrefixKind::Calc(steps) => self.steps(system, steps),
             PrefixKind::Variant(count) => self.expect(site, count, &Type::Number, "the argument of `variant`"),

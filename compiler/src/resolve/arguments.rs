@@ -7,8 +7,9 @@ use treegen_grammar::ast;
 
 use super::Resolver;
 use super::scope::Scope;
-use crate::builtin::Group;
-use crate::program::{Expr, ExprKind};
+use crate::builtin::{self, Group};
+use crate::problem::Problem;
+use crate::program::{DefId, Expr, ExprKind};
 use crate::similar::nearest;
 use crate::words;
 
@@ -22,6 +23,8 @@ pub(super) struct Callee<'a> {
     pub(super) required: &'a [bool],
     /// How many of them, the last ones, are given by name only.
     pub(super) by_name: usize,
+    /// Where it is defined, if the program does that.
+    pub(super) def: Option<DefId>,
 }
 
 impl Resolver<'_> {
@@ -58,7 +61,7 @@ impl Resolver<'_> {
                         let near = nearest(&name.text, callee.params.iter().copied());
                         let problem =
                             words::arguments::unknown(callee.name, &name.text, name.span, callee.params, near);
-                        self.report(scope, problem);
+                        self.report(scope, self.with_definition(problem, callee));
                         fine = false;
                         continue;
                     };
@@ -77,7 +80,7 @@ impl Resolver<'_> {
                 if readable {
                     let params = &callee.params[..callee.params.len() - callee.by_name];
                     let problem = words::arguments::too_many(callee.name, params, args.len(), arg.value.span);
-                    self.report(scope, problem);
+                    self.report(scope, self.with_definition(problem, callee));
                 }
                 return None;
             };
@@ -96,8 +99,23 @@ impl Resolver<'_> {
         if missing.is_empty() {
             return Some(given);
         }
-        self.report(scope, words::arguments::missing(callee.name, callee.params, &missing, callee.span));
+        let problem = words::arguments::missing(callee.name, callee.params, &missing, callee.span);
+        self.report(scope, self.with_definition(problem, callee));
         None
+    }
+
+    /// Shows where that is defined which the arguments do not fit.
+    fn with_definition(&self, problem: Problem, callee: Callee<'_>) -> Problem {
+        match callee.def {
+            Some(def) => self.and_definition(problem, callee.name, def),
+            None => problem,
+        }
+    }
+
+    /// Shows where a name is defined, and whether it means something else in other programs.
+    pub(super) fn and_definition(&self, problem: Problem, name: &str, def: DefId) -> Problem {
+        let def = self.program.def(def);
+        problem.and(def.span, words::names::defined(name, def.kind.word(), builtin::word_for(name)))
     }
 
     /// The arguments of a transformation or primitive, and whether they are all numbers (or else some are vectors).
@@ -128,7 +146,7 @@ impl Resolver<'_> {
         }
         let params = if is_flat { flat } else { vectors };
         let required = vec![true; params.len()];
-        let callee = Callee { name, span, params: &params, required: &required, by_name: 0 };
+        let callee = Callee { name, span, params: &params, required: &required, by_name: 0, def: None };
         let values = self.arguments(scope, callee, args)?;
         let values: Vec<Expr> = values.into_iter().flatten().collect();
         Some((values, is_flat))

@@ -123,7 +123,8 @@ impl Resolver<'_> {
         let params: Vec<String> = slots.iter().map(|it| self.program.slot_name(system, *it).to_owned()).collect();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];
-        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 0 };
+        let def = Some(self.program.modules[module.index()].def);
+        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 0, def };
         match self.arguments(scope, callee, args.unwrap_or(&[])) {
             Some(args) => SolidKind::Module { module, args: args.into_iter().flatten().collect(), place },
             None => SolidKind::Error,
@@ -141,7 +142,9 @@ impl Resolver<'_> {
         let place = scope.next_call();
         let Some(args) = args else {
             let needs_arguments = self.formals_of(system).iter().any(|it| it.1);
-            self.report(scope, words::arguments::needs_parentheses(&name.text, span, needs_arguments));
+            let problem = words::arguments::needs_parentheses(&name.text, span, needs_arguments);
+            let def = self.program.systems[system.index()].def;
+            self.report(scope, self.and_definition(problem, &name.text, def));
             return SolidKind::Error;
         };
         // The names come from the tree's declaration; defaults may not be resolved yet.
@@ -150,7 +153,8 @@ impl Resolver<'_> {
         let mut required: Vec<bool> = formals.iter().map(|it| it.1).collect();
         params.push("seed");
         required.push(false);
-        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 1 };
+        let def = Some(self.program.systems[system.index()].def);
+        let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 1, def };
         let Some(mut given) = self.arguments(scope, callee, args) else { return SolidKind::Error };
         let seed = given.pop().flatten();
         let args = given.into_iter().enumerate().filter_map(|it| Some((it.0, it.1?))).collect();

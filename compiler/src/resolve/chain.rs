@@ -7,7 +7,8 @@ use treegen_runtime::form::{MeshId, PrimitiveKind};
 use super::Resolver;
 use super::names::{Meaning, Named};
 use super::scope::Scope;
-use crate::program::{DefKind, Prefix, PrefixKind, SlotId, Solid, SolidKind};
+use crate::builtin;
+use crate::program::{DefId, DefKind, Prefix, PrefixKind, SlotId, Solid, SolidKind};
 use crate::words;
 
 /// What a term is.
@@ -78,6 +79,8 @@ impl Resolver<'_> {
                         solid.span,
                         term.span,
                     );
+                    let hides = self.hiding(solid);
+                    let problem = hides.iter().fold(problem, |it, def| self.and_definition(it, &def.0, def.1));
                     self.report(scope, problem);
                 }
                 broken = true;
@@ -112,6 +115,22 @@ impl Resolver<'_> {
             return Solid { span, kind: body.kind };
         }
         Solid { span, kind: SolidKind::Chain { prefixes, body: Box::new(body) } }
+    }
+
+    /// The module or system that a solid is, if it has the name of something built in.
+    fn hiding(&self, solid: &Solid) -> Option<(String, DefId)> {
+        let (name, def) = match &solid.kind {
+            SolidKind::Module { module, .. } => {
+                let module = &self.program.modules[module.index()];
+                (&module.name, module.def)
+            }
+            SolidKind::System { system, .. } => {
+                let system = &self.program.systems[system.index()];
+                (&system.name, system.def)
+            }
+            _ => return None,
+        };
+        builtin::word_for(name).map(|_| (name.clone(), def))
     }
 
     /// What a term is.

@@ -28,14 +28,21 @@ impl Resolver<'_> {
         self.files.push(Names::default());
         let Some(unit) = units.get(file.0 as usize) else { return };
         let mut uses = unit.uses.iter();
+        let unread = unit.unread.pieces.iter().flat_map(|it| self.words_in(Span::new(file, it.0, it.1)));
+        let words: Vec<String> = unread.collect();
+        let names = &mut self.files[file.0 as usize];
+        names.ends_early = unit.unread.ends_early;
+        names.unreadable.extend(words);
         for item in &unit.tree.items {
             match &item.kind {
                 ItemKind::Use { path, path_span, alias } => {
                     self.declare_use(file, path, *path_span, alias.as_ref(), uses.next().copied().flatten());
                 }
                 ItemKind::Error => {
-                    let words = self.words_in(item.span);
-                    self.files[file.0 as usize].unreadable.extend(words);
+                    let words: Vec<String> = self.words_in(item.span).collect();
+                    let names = &mut self.files[file.0 as usize];
+                    names.nameless.extend(words.first().and_then(|it| defined_by(it)));
+                    names.unreadable.extend(words);
                 }
                 ItemKind::Scene(_) => {}
                 ItemKind::System(system) => self.declare_system(file, system),
@@ -47,7 +54,10 @@ impl Resolver<'_> {
     fn declare_use(&mut self, file: FileId, path: &str, span: Span, alias: Option<&Name>, used: Option<FileId>) {
         let name = alias.cloned().or_else(|| Some(Name { text: stem(path)?, span }));
         let Some(name) = name else {
-            self.problems.push(words::files::needs_alias(path, span));
+            // Of one that is not there, that is all there is to say.
+            if used.is_some() {
+                self.problems.push(words::files::needs_alias(path, span));
+            }
             return;
         };
         let def = self.define(&name.text, name.span, DefKind::Use);
@@ -227,8 +237,12 @@ impl Resolver<'_> {
                 }
             }
             MemberKind::Error => {
-                let words = self.words_in(member.span);
-                self.systems[system.index()].unreadable.extend(words);
+                let words: Vec<String> = self.words_in(member.span).collect();
+                let is_nameless_rule = !self.sources.text(member.span).starts_with(|it: char| it.is_ascii_alphabetic());
+                let rule = is_nameless_rule.then_some(Meaning::Module(ModuleId(0)));
+                let names = &mut self.systems[system.index()];
+                names.nameless.extend(rule.or_else(|| defined_by(words.first()?)));
+                names.unreadable.extend(words);
             }
             MemberKind::Select { .. }
             | MemberKind::Start(_)
@@ -326,6 +340,20 @@ impl Resolver<'_> {
             self.problems.push(words::names::hides(&inner.name, inner.span, outer.kind.word(), outer.span));
         }
     }
+}
+
+/// What the first word of an item or a member says that it defines.
+fn defined_by(word: &str) -> Option<Meaning> {
+    Some(match word {
+        "param" | "let" | "var" => Meaning::Global(GlobalId(0)),
+        "fn" => Meaning::Function(FunctionId(0)),
+        "enum" => Meaning::Enum(EnumId(0)),
+        "texture" => Meaning::Texture,
+        "material" => Meaning::Material(MaterialId(0)),
+        "csg" | "shape" | "hull" => Meaning::System(SystemId(0)),
+        "calc" => Meaning::Calc(CalcId(0)),
+        _ => return None,
+    })
 }
 
 /// The name of a file without folders and ending, if it is a name of the language.

@@ -161,6 +161,7 @@ impl Resolver<'_> {
                     Meaning::Module(_) | Meaning::System(_) => words::names::not_a_value(name, kind, head, None),
                     _ => words::names::not_a_function(name, kind, head),
                 };
+                let problem = named.iter().fold(problem, |it, named| self.and_definition(it, name, named.def));
                 self.report(scope, problem);
                 return self.skip(scope, links);
             }
@@ -219,7 +220,7 @@ impl Resolver<'_> {
                 Some(named)
             }
             None => {
-                if !names.unreadable.contains(&item.text) {
+                if !names.may_hold(&item.text) {
                     let near = nearest(&item.text, names.iter().map(|it| it.0)).map(str::to_owned);
                     let is_item = |it: &(&str, Named)| !matches!(it.1.meaning, Meaning::File(_));
                     let known: Vec<&str> = names.iter().filter(is_item).map(|it| it.0).collect();
@@ -279,10 +280,11 @@ impl Resolver<'_> {
     /// A function of the program.
     fn call(&mut self, scope: &mut Scope, function: FunctionId, name: &str, args: &[ast::Arg], span: Span) -> ExprKind {
         let place = scope.next_call();
+        let def = Some(self.program.functions[function.index()].def);
         let params = self.program.functions[function.index()].params.clone();
         let params: Vec<&str> = params.iter().map(String::as_str).collect();
         let required = vec![true; params.len()];
-        let callee = Callee { name, span, params: &params, required: &required, by_name: 0 };
+        let callee = Callee { name, span, params: &params, required: &required, by_name: 0, def };
         match self.arguments(scope, callee, args) {
             Some(args) => ExprKind::Call { function, args: args.into_iter().flatten().collect(), place },
             None => ExprKind::Error,

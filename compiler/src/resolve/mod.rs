@@ -15,6 +15,7 @@ mod names;
 mod records;
 mod scope;
 mod system;
+mod unfound;
 mod walk;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -54,17 +55,20 @@ pub(crate) struct Input<'a> {
 /// Resolves all names of a program.
 pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program {
     let units = input.units;
+    let is_partial = units.first().is_some_and(|it| it.unread.ends_early || !it.unread.pieces.is_empty());
+    let end = units.first().and_then(|it| it.tree.items.last()).map_or(0, |it| it.span.end);
     let mut resolver = Resolver {
         units,
         sources: input.sources,
         overrides: input.overrides,
         problems,
         time: input.time,
-        program: Program::default(),
+        program: Program { is_partial, end, ..Program::default() },
         files: Vec::new(),
         systems: Vec::new(),
         labels: Vec::new(),
         unknown: BTreeSet::new(),
+        unfound: Vec::new(),
         slots_full: false,
         has_default: HashSet::new(),
         uneven: HashSet::new(),
@@ -76,6 +80,7 @@ pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program
     for number in 0..units.len() {
         resolver.resolve_file(FileId(number as u32));
     }
+    resolver.show_unused();
     resolver.program.meshes = resolver.meshes.into_meshes();
     resolver.program
 }
@@ -96,6 +101,8 @@ struct Resolver<'a> {
     labels: Vec<Vec<Option<String>>>,
     /// Unknown names that were reported, with their file and system: each is reported once.
     unknown: BTreeSet<(FileId, Option<SystemId>, String)>,
+    /// Those of them that nothing looks like.
+    unfound: Vec<unfound::Unfound>,
     slots_full: bool,
     /// The formals that a call need not give.
     has_default: HashSet<DefId>,
@@ -120,6 +127,11 @@ impl Resolver<'_> {
 
     fn break_def(&mut self, def: DefId) {
         self.program.defs[def.index()].broken = true;
+    }
+
+    /// Whether a part of an item could not be read.
+    fn is_unread(&self, item: Span) -> bool {
+        self.units.get(item.file.0 as usize).is_some_and(|it| it.unread.touches(item))
     }
 
     /// Makes a slot of a system.
@@ -157,7 +169,7 @@ impl Resolver<'_> {
                 ItemKind::Fn(it) => self.resolve_fn(Scope::file(file), def(it.name.span), it),
                 ItemKind::Texture { name, fields } => self.resolve_texture(file, def(name.span), name, fields),
                 ItemKind::Material { name, fields } => self.resolve_material(file, def(name.span), name, fields),
-                ItemKind::System(system) => self.resolve_system(file, def(system.name.span), system),
+                ItemKind::System(system) => self.resolve_system(file, def(system.name.span), system, item.span),
                 ItemKind::Scene(scene) if file == FileId::MAIN => self.resolve_scene(file, scene, item.span),
                 ItemKind::Scene(_) => {}
             }

@@ -102,7 +102,7 @@ impl Resolver<'_> {
             let rule = name.map_or(rules.get(number), |name| rules.iter().find(|it| it.name == name));
             values.push(self.later_argument(scope, rule, &arg.value, &mut parts));
         }
-        let callee = Callee { name: what, span, params: &params, required: &required, by_name: 0 };
+        let callee = Callee { name: what, span, params: &params, required: &required, by_name: 0, def: None };
         let given = self.match_arguments(scope, callee, args, values)?;
         let typed = |(rule, value): (&FieldRule, Option<Option<Expr>>)| Some((value??, rule.name, rule.kind));
         let args = rules.iter().zip(given).filter_map(typed).collect();

@@ -39,11 +39,20 @@ pub(super) struct Names {
     order: Vec<String>,
     /// The words of text that could not be read: names among them may be defined there.
     pub(super) unreadable: HashSet<String>,
+    /// Whether more may be defined in the text that follows where it ends.
+    pub(super) ends_early: bool,
+    /// What is defined where the name could not be read.
+    pub(super) nameless: Vec<Meaning>,
 }
 
 impl Names {
     pub(super) fn get(&self, name: &str) -> Option<Named> {
         self.table.get(name).copied()
+    }
+
+    /// Whether a name may be defined in text that could not be read.
+    pub(super) fn may_hold(&self, name: &str) -> bool {
+        self.ends_early || self.unreadable.contains(name)
     }
 
     pub(super) fn add(&mut self, name: &str, named: Named) {

@@ -63,6 +63,9 @@ impl Resolver<'_> {
         let name = ast::Name { text: "scene".to_owned(), span };
         let def = self.define("scene", span, DefKind::Scene);
         let system = self.make_system(def, SystemKind::Csg, &name);
+        if self.is_unread(span) {
+            self.break_def(def);
+        }
         self.program.scene = Some(Scene { def, records: Vec::new(), shows: Vec::new(), system, span });
         let mut seen: HashMap<&str, Span> = HashMap::new();
         for member in &scene.members {

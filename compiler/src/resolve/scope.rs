@@ -7,7 +7,7 @@ use treegen_grammar::{FileId, MAX_NAME_BYTES, Span};
 use treegen_runtime::eval::Place;
 
 use super::Resolver;
-use super::names::{Meaning, Named};
+use super::names::{Meaning, Named, Names};
 use crate::builtin;
 use crate::program::{DefId, DefKind, ModuleId, SystemId};
 use crate::similar::nearest;
@@ -86,6 +86,11 @@ impl Scope {
     pub(super) fn add_quietly(&mut self, name: &str, named: Named) {
         let before = self.locals.insert(name.to_owned(), named);
         self.stack.push((name.to_owned(), before));
+    }
+
+    /// What its locals mean.
+    pub(super) fn locals(&self) -> impl Iterator<Item = Named> {
+        self.stack.iter().filter_map(|it| self.locals.get(&it.0).copied())
     }
 
     /// How many locals there are, to go back to with [`Scope::forget`].
@@ -187,10 +192,17 @@ impl<'o> Resolver<'o> {
         if name.len() > MAX_NAME_BYTES || !name.bytes().all(|it| it.is_ascii_alphanumeric() || it == b'_') {
             return;
         }
-        if self.may_be_unreadable(scope, name) || !self.unknown.insert((scope.file, scope.system, name.to_owned())) {
+        let is_nameless = self.names_seen(scope).any(|it| it.nameless.iter().any(|it| fits(*it)));
+        if is_nameless
+            || self.may_be_unreadable(scope, name)
+            || !self.unknown.insert((scope.file, scope.system, name.to_owned()))
+        {
             return;
         }
         let near = if self.unknown.len() <= MAX_SUGGESTIONS { self.similar(scope, name, fits, more) } else { None };
+        if near.is_none() && self.unknown.len() <= MAX_SUGGESTIONS {
+            self.note_unfound(scope, span, fits);
+        }
         self.problems.push(words::names::unknown(name, span, what, near.as_deref()));
     }
 
@@ -211,9 +223,13 @@ impl<'o> Resolver<'o> {
 
     /// Whether a name may be defined in text that could not be read.
     pub(super) fn may_be_unreadable(&self, scope: &Scope, name: &str) -> bool {
+        self.names_seen(scope).any(|it| it.may_hold(name))
+    }
+
+    /// The names of the system and those of the file that the scope is in.
+    pub(super) fn names_seen(&self, scope: &Scope) -> impl Iterator<Item = &Names> {
         let of_system = scope.system.and_then(|it| self.systems.get(it.index()));
-        let of_file = self.files.get(scope.file.0 as usize);
-        of_system.into_iter().chain(of_file).any(|it| it.unreadable.contains(name))
+        of_system.into_iter().chain(self.files.get(scope.file.0 as usize))
     }
 
     /// The words of a piece of text.

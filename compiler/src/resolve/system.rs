@@ -100,7 +100,7 @@ impl<'o> Resolver<'o> {
     }
 
     /// A system with all that stands in it.
-    pub(super) fn resolve_system(&mut self, file: FileId, def: Option<DefId>, system: &ast::System) {
+    pub(super) fn resolve_system(&mut self, file: FileId, def: Option<DefId>, system: &ast::System, span: Span) {
         let Some(def) = def else { return };
         let DefKind::System(id) = self.program.def(def).kind else { return };
         self.check_hiding(file, id);
@@ -130,8 +130,9 @@ impl<'o> Resolver<'o> {
                 self.check_module(&body, module);
             }
         }
-        let unreadable = !self.systems[id.index()].unreadable.is_empty();
-        if body.once.start.is_none() && !unreadable {
+        if body.once.start.is_none() && self.is_unread(span) {
+            self.break_def(def);
+        } else if body.once.start.is_none() {
             self.break_def(def);
             self.problems.push(words::systems::no_start(&system.name.text, system.name.span));
         }
@@ -220,7 +221,7 @@ impl<'o> Resolver<'o> {
         if let Some(Meaning::Module(module)) = names.get(&name.text).map(|it| it.meaning) {
             return Some(module);
         }
-        if !names.unreadable.contains(&name.text) {
+        if !names.may_hold(&name.text) && !self.files[body.file.0 as usize].may_hold(&name.text) {
             let modules = names.iter().filter(|it| matches!(it.1.meaning, Meaning::Module(_))).map(|it| it.0);
             let near = nearest(&name.text, modules).map(str::to_owned);
             self.problems.push(words::systems::no_rules(what, &name.text, name.span, near.as_deref()));

@@ -98,7 +98,7 @@ impl Resolver<'_> {
         let error = Role::Stride(Stride::Solid(Solid { span, kind: SolidKind::Error }));
         let Some((word, kind, params)) = builtin::WALK_WORDS.iter().find(|it| it.0 == name.text) else { return error };
         let required = vec![true; params.len()];
-        let callee = Callee { name: word, span, params, required: &required, by_name: 0 };
+        let callee = Callee { name: word, span, params, required: &required, by_name: 0, def: None };
         if !scope.walk {
             for arg in args.unwrap_or(&[]) {
                 self.expr(scope, &arg.value);

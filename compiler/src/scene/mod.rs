@@ -16,6 +16,9 @@ use fields::Data;
 
 pub(crate) use surfaces::surfaces;
 
+/// How many suns a scene may have: each is looked for from every place that is seen.
+pub(crate) const MAX_SUNS: usize = 256;
+
 /// What a scene has besides its graph.
 #[derive(Debug, Default)]
 pub(crate) struct Setting {
@@ -47,6 +50,10 @@ pub(crate) fn setting(constants: &mut Constants<'_>, pictures: &mut Pictures<'_>
         match record.name.as_str() {
             "image" => setting.image = image(&fields),
             "camera" => setting.camera = camera(constants, record, &fields),
+            "sun" if setting.suns.len() >= MAX_SUNS => {
+                constants.report(words::files::too_many("suns", MAX_SUNS, record.span));
+                break;
+            }
             "sun" => setting.suns.extend(sun(constants, record, &fields)),
             _ => setting.sky = Some(sky(&fields)),
         }

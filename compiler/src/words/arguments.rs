@@ -46,6 +46,7 @@ pub(crate) fn twice(name: &str, span: Span, first: Span) -> Problem {
 pub(crate) fn after_named(span: Span, named: Span) -> Problem {
     Problem::error("E0405", "arguments with names come last", span, "has no name, and follows one that has")
         .and(named, "has a name")
+        .note("give it its name, or put it before those that have one")
 }
 
 /// Names where there are none.

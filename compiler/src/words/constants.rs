@@ -52,7 +52,7 @@ pub(crate) fn needs(kind: FieldType) -> String {
         FieldType::Number(low, high) => match (low.is_finite(), high.is_finite()) {
             (true, true) => format!("a number from {} to {}", number(low), number(high)),
             (true, false) => format!("a number, {} or more", number(low)),
-            _ => "a number".to_owned(),
+            _ => "a finite number".to_owned(),
         },
         FieldType::Positive => "a number above 0".to_owned(),
         FieldType::Whole(low, high) => format!("a whole number from {} to {}", number(low), number(high)),

@@ -34,6 +34,11 @@ pub(crate) fn problem(fault: &Fault, vocabulary: &Vocabulary) -> Problem {
     if let Some(note) = advice(&fault.kind) {
         problem = problem.note(note);
     }
+    if let FaultKind::Range { range, .. } = &fault.kind
+        && let Some(span) = span(*range)
+    {
+        problem = problem.and(span, "its range is part of its definition");
+    }
     if let FaultKind::Endless { cycle, .. } = &fault.kind {
         for step in cycle.iter().filter(|it| it.origin != fault.origin).take(MOST_CALLS) {
             if let Some(span) = span(step.origin) {
@@ -111,10 +116,13 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
         FaultKind::Type { operation, operands } => {
             ("E1006", format!("`{operation}` does not take {}", list(operands)), "wrong kind of value".to_owned())
         }
-        FaultKind::Range { name, value, low, high } => (
+        FaultKind::Range { name, value, low, high, range } => (
             "E1007",
             format!("`{name}` must lie within {}..{}, and {} does not", number(*low), number(*high), number(*value)),
-            "its range is part of its definition".to_owned(),
+            match *range {
+                Origin::NONE => "its range is part of its definition".to_owned(),
+                _ => format!("this is {}", number(*value)),
+            },
         ),
         FaultKind::Whole { what, value, least } => (
             "E1008",

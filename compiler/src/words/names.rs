@@ -3,13 +3,28 @@
 use treegen_grammar::Span;
 
 use super::a;
-use crate::problem::{Problem, Safety};
+use crate::problem::{Edit, Label, Problem, Safety, Suggestion};
 
 /// A name that nobody knows. `what` says what would fit: "value", "solid or transformation".
 pub(crate) fn unknown(name: &str, span: Span, what: &str, near: Option<&str>) -> Problem {
     let problem =
         Problem::error("E0301", format!("there is no {what} named `{name}`"), span, "not defined anywhere here");
-    similar(problem, span, near)
+    let way = match what {
+        _ if near.is_some() => None,
+        "material" => Some(format!("`material {name} {{ color: (.5, .4, .3) }}` defines one")),
+        "calc" => Some(format!("`calc {name} {{ ... }}` defines one")),
+        "texture" => Some(format!("`texture {name} {{ kind: fbm }}` defines one")),
+        _ => None,
+    };
+    similar(way.into_iter().fold(problem, Problem::note), span, near)
+}
+
+/// Adds to an unknown name what was defined and is not used.
+pub(crate) fn unused_instead(problem: &mut Problem, what: &str, name: &str, defined: Span, span: Span) {
+    problem.labels.push(Label { span: defined, text: format!("this {what} is never used") });
+    let edits = vec![Edit { span, text: name.to_owned() }];
+    let text = format!("was `{name}` meant?");
+    problem.suggestions.push(Suggestion { text, edits, safety: Safety::Unsafe });
 }
 
 /// A name that is no item of a used file.
@@ -52,7 +67,17 @@ pub(crate) fn twice(what: &str, name: &str, span: Span, first: Span) -> Problem 
 /// A name that hides another of the program's own.
 pub(crate) fn hides(name: &str, span: Span, what: &str, other: Span) -> Problem {
     let message = format!("`{name}` is already the name of {} here", a(what));
-    Problem::error("E0306", message, span, "takes the same name").and(other, format!("the {what}"))
+    Problem::error("E0306", message, span, "takes the same name")
+        .and(other, format!("the {what}"))
+        .note("a program's own names hide one another nowhere: take another one")
+}
+
+/// Where a name is defined: `built_in` says what it is where no program defines it.
+pub(crate) fn defined(name: &str, what: &str, built_in: Option<&str>) -> String {
+    match built_in {
+        Some(other) => format!("here `{name}` is this {what}, not the built-in {other}"),
+        None => format!("the {what}"),
+    }
 }
 
 /// Something that exists but is no value.
@@ -81,7 +106,7 @@ fn with_definition(problem: Problem, what: &str, defined: Option<Span>) -> Probl
 /// A value called like a function.
 pub(crate) fn not_a_function(name: &str, what: &str, span: Span) -> Problem {
     let message = format!("`{name}` is {}, not a function", a(what));
-    Problem::error("E0307", message, span, "only functions have arguments")
+    Problem::error("E0307", message, span, "only functions have arguments here")
 }
 
 /// A parenthesis after something that is no name.
@@ -99,13 +124,17 @@ pub(crate) fn state_too_early(name: &str, span: Span, defined: Span, reader: &st
 /// A `let` or first value that reads state through functions.
 pub(crate) fn state_through_functions(name: &str, span: Span, var: &str, defined: Span) -> Problem {
     let message = format!("`{name}` reads the state `{var}` through a function");
-    Problem::error("E0308", message, span, "found once, before there is any state").and(defined, "the var")
+    Problem::error("E0308", message, span, "found once, before there is any state")
+        .and(defined, "the var")
+        .note("a `fn` or a C-node reads the state as it is")
 }
 
 /// A system's name in a formal's default or range.
 pub(crate) fn default_too_narrow(name: &str, span: Span, what: &str, defined: Span) -> Problem {
     let message = format!("a formal's default and range cannot read the {what} `{name}` of its system");
-    Problem::error("E0309", message, span, "only names of the file are known here").and(defined, format!("the {what}"))
+    Problem::error("E0309", message, span, "only names of the file are known here")
+        .and(defined, format!("the {what}"))
+        .note("a `let` of the system can be found from it")
 }
 
 /// Definitions that need one another.

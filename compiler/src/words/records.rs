@@ -41,7 +41,8 @@ pub(crate) fn record_twice(name: &str, span: Span, first: Span) -> Problem {
 /// A field with a word that it does not know.
 pub(crate) fn unknown_word(field: &str, span: Span, words: &[&str], near: Option<&str>) -> Problem {
     let known = one_of(&quoted(words.iter().copied()), "or");
-    let problem = Problem::error("E0606", format!("`{field}` is {known}"), span, "neither of these");
+    let label = if words.len() == 2 { "neither of these" } else { "none of these" };
+    let problem = Problem::error("E0606", format!("`{field}` is {known}"), span, label);
     match near {
         Some(near) => problem.suggest(format!("did you mean `{near}`?"), Safety::Unsafe, span, near),
         None => problem,

@@ -52,11 +52,13 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
         }
         SyntaxErrorKind::BadNumber(kind) => bad_number(*kind, span),
         SyntaxErrorKind::UnclosedBracket { open, close } => {
-            Problem::error("E0107", format!("a `{close}` is missing"), span, format!("`{close}` expected before this"))
+            Problem::error("E0107", format!("a `{close}` is missing"), span, format!("`{close}` expected here"))
                 .and(*open, "to close this")
+                .suggest(format!("add `{close}`"), Safety::Unsafe, span, close.to_string())
         }
         SyntaxErrorKind::UnopenedBracket { close } => {
             Problem::error("E0108", format!("this `{close}` closes nothing"), span, "no opening bracket before it")
+                .suggest("take it out", Safety::Unsafe, span, "")
         }
         SyntaxErrorKind::MissingSemicolon => missing(";", span),
         SyntaxErrorKind::MissingComma => missing(",", span),
@@ -78,12 +80,21 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
             "a name is needed here",
         )
         .suggest(format!("another name, as `{word}_`"), Safety::Unsafe, span, format!("{word}_")),
+        SyntaxErrorKind::BareArgument { name } => {
+            let message = format!("the arguments of `{}` stand in parentheses", shortened(name));
+            Problem::error("E0114", message, span, "`(` expected before this")
+        }
         SyntaxErrorKind::Unexpected { found, expected } => unexpected(found.as_deref(), expected, span),
     }
 }
 
 fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem {
     let point = format!("U+{:04X}", u32::from(found));
+    if let Some(what) = unseen(found) {
+        return Problem::error("E0101", format!("the character {point} {what}"), span, "not allowed anywhere")
+            .note("with such characters a program can look like another one")
+            .suggest("take it out", Safety::Unsafe, span, "");
+    }
     let shown =
         if found.is_alphanumeric() || found.is_ascii_graphic() { format!("`{found}`, {point},") } else { point };
     let problem =
@@ -95,6 +106,24 @@ fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem
         None => problem.note(
             "names have letters from a to z, digits and `_`; all that can be seen may stand in texts and comments",
         ),
+    }
+}
+
+/// What a character does that has no look of its own.
+fn unseen(found: char) -> Option<&'static str> {
+    match found {
+        '\u{61C}' | '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}' => {
+            Some("changes the direction of writing")
+        }
+        '\u{AD}'
+        | '\u{180E}'
+        | '\u{200B}'..='\u{200D}'
+        | '\u{2060}'..='\u{206F}'
+        | '\u{FE00}'..='\u{FE0F}'
+        | '\u{FEFF}'
+        | '\u{E0000}'..='\u{E01EF}' => Some("cannot be seen"),
+        _ if found.is_control() => Some("is a control character"),
+        _ => None,
     }
 }
 

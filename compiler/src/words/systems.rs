@@ -21,7 +21,9 @@ pub(crate) fn member_twice(what: &str, span: Span, first: Span) -> Problem {
 /// Rules of one module that do not agree in how many parameters it has.
 pub(crate) fn heads_differ(module: &str, span: Span, here: usize, first: Span, there: usize) -> Problem {
     let message = format!("the rules of `{module}` do not agree in how many parameters it has");
-    Problem::error("E0503", message, span, count(here, "parameter")).and(first, count(there, "parameter"))
+    Problem::error("E0503", message, span, count(here, "parameter"))
+        .and(first, count(there, "parameter"))
+        .note("each rule may name them its own way, but all have as many")
 }
 
 /// Weights on some rules only.
@@ -41,6 +43,7 @@ pub(crate) fn select_and(module: &str, what: &str, span: Span, select: Span) -> 
 pub(crate) fn nothing_to(name: &str, verb: &str, span: Span) -> Problem {
     let label = format!("nothing follows to {verb}");
     Problem::error("E0506", format!("`{name}` needs something to {verb}"), span, label)
+        .note(format!("it acts on what follows it, as in `{name}(...) sphere`"))
 }
 
 /// A C-node at the end of a chain.
@@ -171,13 +174,13 @@ pub(crate) fn no_rules(what: &str, module: &str, span: Span, near: Option<&str>)
         Problem::error("E0515", format!("`{what}` names `{module}`, which has no rules"), span, "not a module here");
     match near {
         Some(near) => problem.suggest(format!("did you mean `{near}`?"), Safety::Unsafe, span, near),
-        None => problem,
+        None => problem.note(format!("a rule begins with it: `{module} -> ...;`")),
     }
 }
 
 /// Something that is no whole number where one must be written.
 pub(crate) fn priority_number(span: Span) -> Problem {
-    Problem::error("E0516", "a priority is a whole number", span, "not one that can be read here")
+    Problem::error("E0516", "a priority is a whole number", span, "a number such as `1` or `-2` belongs here")
 }
 
 /// `derive` or `prune` with an unknown word.

@@ -2,7 +2,7 @@
 
 use treegen_grammar::Span;
 
-use crate::check::Counter;
+use crate::check::{Counter, OfPi};
 use crate::problem::{Problem, Safety};
 use crate::sources::Sources;
 
@@ -64,4 +64,34 @@ pub(crate) fn begins_where(module: &str, span: Span, earlier: &str, first: Span)
         .note(format!(
             "to go on from the tip, let `{earlier}` end with `{module}`; for both in one place, write `[ {earlier} ]`"
         ))
+}
+
+/// An angle in radians where degrees are needed. `taker` is what needs them.
+pub(crate) fn radians(taker: &str, span: Span, part: OfPi) -> Problem {
+    let is_here = span.file == part.place.file && span.start <= part.place.start && part.place.end <= span.end;
+    let degrees = |times: f64| (times * 180.0 * 1e6).round() / 1e6;
+    let label = if part.is_whole {
+        format!("{:.2} degrees", part.times * std::f64::consts::PI)
+    } else {
+        format!("with {:.2} for half a turn", std::f64::consts::PI)
+    };
+    let problem = Problem::warning("W0009", format!("`{taker}` takes degrees, and this is in radians"), span, label)
+        .note("angles are in degrees everywhere, in `sin` and `acos` too");
+    match (is_here, part.is_whole) {
+        (true, true) => {
+            let number = degrees(part.times);
+            problem.suggest(format!("write `{number}`"), Safety::Unsafe, span, number.to_string())
+        }
+        (true, false) => {
+            let number = degrees(part.written);
+            problem.suggest("half a turn is `180`", Safety::Unsafe, part.place, number.to_string())
+        }
+        _ => problem.and(part.place, "radians by this"),
+    }
+}
+
+/// A hull that nothing lies in.
+pub(crate) fn empty_hull(span: Span) -> Problem {
+    Problem::warning("W0010", "this hull is empty", span, "nothing lies behind all of its planes")
+        .note("a plane keeps the side that its walk stands on")
 }

@@ -1,12 +1,12 @@
 //! What is certain of a scene before anything of it is drawn.
 
+use super::certain;
 use super::flow::Flow;
 use super::run::{Met, Rest, Run};
-use super::sketch::AbstractState;
 use super::survey::{Scout, Survey};
 use super::trouble::Blamed;
 use super::walk::{Formals, Walker};
-use crate::fault::Fault;
+use crate::fault::{Fault, FaultKind};
 use crate::form::{Origin, Scene, SelectId};
 use crate::limits::Limits;
 use crate::trace::{Entry, Expander};
@@ -47,7 +47,8 @@ pub fn idle_rules(scene: &Scene) -> Vec<IdleRule> {
     idle
 }
 
-/// What will fail whatever is drawn: a cycle that neither ends nor shrinks, and values that no rule of their module covers.
+/// What will fail whatever is drawn: a cycle that neither ends nor shrinks, values that no rule of their module covers, and what
+/// cannot be made of values that are known without a draw.
 pub fn certain_faults(scene: &Scene, limits: &Limits) -> Vec<Fault> {
     let survey = Survey::new(scene, limits);
     let expander = Expander::new(scene, limits);
@@ -55,16 +56,17 @@ pub fn certain_faults(scene: &Scene, limits: &Limits) -> Vec<Fault> {
         Ok(root) => root,
         Err(fault) => return vec![fault],
     };
-    let live = expander.live_slots(root.entry);
-    let mut faults = uncovered(survey.flow(), Walker::start(survey.flow(), &root, live), limits);
+    let (flow, live) = (survey.flow(), expander.live_slots(root.entry));
+    let mut walker = Walker::new(Formals::AsGiven);
+    let met = Run::new(flow, Rest::Wide, Walker::start(flow, &root, live)).explore(&mut walker).unwrap_or_default();
+    let mut faults = uncovered(flow, &met, limits);
+    faults.extend(certain::faults(scene, limits, flow, &met).into_iter().filter(|it| !is_no_rule(it)));
     faults.extend(survey.extent(&mut Scout::default(), &root, live).err());
     faults
 }
 
 /// The first state of each module that the scene leads to for certain and that no rule covers.
-fn uncovered(flow: &Flow, root: AbstractState, limits: &Limits) -> Vec<Fault> {
-    let mut walker = Walker::new(Formals::AsGiven);
-    let met = Run::new(flow, Rest::Wide, root).explore(&mut walker).unwrap_or_default();
+fn uncovered(flow: &Flow, met: &[Met], limits: &Limits) -> Vec<Fault> {
     let blamed = Blamed { flow, depth: limits.depth };
     let mut blamed_selects: Vec<SelectId> = Vec::new();
     let mut faults = Vec::new();
@@ -75,6 +77,11 @@ fn uncovered(flow: &Flow, root: AbstractState, limits: &Limits) -> Vec<Fault> {
         }
     }
     faults
+}
+
+/// Whether a fault is one of those that [`uncovered`] finds.
+fn is_no_rule(fault: &Fault) -> bool {
+    matches!(fault.kind, FaultKind::NoRule { .. })
 }
 
 impl Met {

@@ -13,9 +13,10 @@
 //! - [`skeleton`]: a graph without all that only moves and shapes things.
 //! - [`hyper`]: one box for all states of a module.
 //! - [`planted`]: what states with shapes in them amount to.
-//! - [`findings`], [`trouble`]: what is certain of a program before anything of it is drawn.
+//! - [`findings`], [`certain`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod canon;
+mod certain;
 mod circle;
 mod cycles;
 mod entries;
@@ -41,6 +42,7 @@ mod trouble;
 mod value;
 mod walk;
 
+pub use certain::empty_hulls;
 pub use findings::{IdleRule, certain_faults, idle_rules};
 pub(crate) use hyper::HyperBoxes;
 pub(crate) use loose::{Loose, box_between, primitive_bounds};

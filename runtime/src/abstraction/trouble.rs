@@ -45,14 +45,25 @@ impl Blamed<'_> {
                 FaultKind::Limit { limit: Limit::Depth, most: u64::from(self.depth) }
             }
         };
-        led_by(Fault::new(kind, called), self.steps(way))
+        led_by(Fault::new(kind, called), self.way(way))
     }
 
     /// The fault of a state to which no rule applies, and the way that led to it.
     pub(super) fn no_rule(&self, select: &Select, way: &Led) -> Fault {
         let values = way.last().map_or(Vec::new(), |it| values(self.flow, &it.0));
         let kind = FaultKind::NoRule { module: select.module.clone(), values };
-        led_by(Fault::new(kind, select.origin), self.steps(way))
+        led_by(Fault::new(kind, select.origin), self.way(way))
+    }
+
+    /// A fault of the state that a way ends with.
+    pub(super) fn below(&self, fault: Fault, way: &Led) -> Fault {
+        led_by(fault, self.way(way))
+    }
+
+    /// The steps of a way. That all begins in the scene goes without saying.
+    fn way(&self, way: &Led) -> Vec<TrailStep> {
+        let begins_in_scene = way.first().is_some_and(|it| it.0.entry == Entry::System(self.flow.graph.root()));
+        self.steps(way.get(usize::from(begins_in_scene)..).unwrap_or_default())
     }
 
     fn steps(&self, way: &Led) -> Vec<TrailStep> {

@@ -1,5 +1,7 @@
 //! What the nodes of a graph mean in an environment: the numbers of a T-node, the rule of an S-node, the environment below a call.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
 use smallvec::SmallVec;
 
@@ -167,7 +169,7 @@ impl Machine<'_> {
             inner.slots[usize::from(slot.0)] = value;
             given[usize::from(slot.0)] = true;
         }
-        self.fill(system, inner, &given)
+        self.fill(system, inner, &given).map_err(|it| given_by(call, system, it))
     }
 
     /// The environment in which the graph starts.
@@ -228,6 +230,16 @@ pub(super) fn whole(value: f64, what: &'static str, least: u32, most: u32, origi
         return Err(Fault::new(FaultKind::Whole { what, value, least: f64::from(least) }, origin));
     }
     Err(Fault::new(FaultKind::Limit { limit: Limit::Repeat, most: u64::from(most) }, origin))
+}
+
+/// Of an argument outside its range the place is the argument's.
+fn given_by(call: &SystemCall, system: &System, fault: Fault) -> Fault {
+    let FaultKind::Range { name, value, low, high, .. } = &fault.kind else { return fault };
+    let is_it = |it: &Slot| system.slots.get(usize::from(it.0)).is_some_and(|it| **it == **name);
+    let Some(number) = call.given.iter().position(is_it) else { return fault };
+    let place = call.args.results.get(number).and_then(|it| call.args.origin_of(*it)).unwrap_or(call.origin);
+    let kind = FaultKind::Range { name: Arc::clone(name), value: *value, low: *low, high: *high, range: fault.origin };
+    Fault { kind, origin: place, ..fault }
 }
 
 /// The place of the last operation of a code.

@@ -191,7 +191,7 @@ pub(crate) fn check(value: &Value, low: &Value, high: &Value, name: &Arc<str>) -
     if low <= value && value <= high {
         return Ok(());
     }
-    Err(Failure(FaultKind::Range { name: Arc::clone(name), value, low, high }))
+    Err(Failure(FaultKind::Range { name: Arc::clone(name), value, low, high, range: Origin::NONE }))
 }
 
 /// What a draw gives for a uniform number in [0, 1).

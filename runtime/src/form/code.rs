@@ -215,6 +215,15 @@ impl Code {
     pub fn stores(&self) -> impl Iterator<Item = Slot> {
         self.ops.iter().filter_map(|it| if let Op::Store(slot, _) = it { Some(*slot) } else { None })
     }
+
+    /// The text that a register's last value comes from.
+    pub(crate) fn origin_of(&self, reg: Reg) -> Option<Origin> {
+        let writes = |it: &Op| {
+            let only_reads = matches!(it, Op::Store(..) | Op::JumpIf(..) | Op::JumpUnless(..) | Op::Check { .. });
+            !only_reads && it.registers().first() == Some(&reg)
+        };
+        self.ops.iter().rposition(writes).and_then(|it| self.origins.get(it)).copied()
+    }
 }
 
 impl Op {

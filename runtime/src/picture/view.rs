@@ -99,7 +99,7 @@ fn inside(name: &str, start: u32, length: u32, size: u32) -> Result<(), Fault> {
         return Ok(());
     }
     let high = f64::from(size) - f64::from(length);
-    Err(fault(FaultKind::Range { name: name.into(), value: f64::from(start), low: 0.0, high }))
+    Err(fault(FaultKind::Range { name: name.into(), value: f64::from(start), low: 0.0, high, range: Origin::NONE }))
 }
 
 fn at_least_one(what: &'static str, value: u32) -> Result<(), Fault> {

@@ -33,7 +33,7 @@ pub struct State {
 
 impl State {
     /// One of the states that have the same values on paths made up; none if nothing below draws.
-    pub(super) fn likeness(&self, which: u32) -> Option<Self> {
+    pub(crate) fn likeness(&self, which: u32) -> Option<Self> {
         self.path.map(|_| Self { path: Some(Path::made_up(which)), ..self.clone() })
     }
 
@@ -324,6 +324,11 @@ impl<'s> Expander<'s> {
         let live = self.live(entry);
         let slots = live.slots.iter().map(|it| env.slots[usize::from(it.0)].clone()).collect();
         State { entry, slots, path: live.path.then_some(env.path), hide: None }
+    }
+
+    /// A state of an entry with these values of its live slots, on a path made up if anything below it draws.
+    pub(crate) fn likeness_of(&self, entry: Entry, slots: Box<[Value]>) -> State {
+        State { entry, slots, path: self.live(entry).path.then(|| Path::made_up(0)), hide: None }
     }
 
     /// An environment of a state: what is not live is 0.

@@ -94,7 +94,7 @@ impl Spheres {
         let ground = ray.at(-ray.origin.z / ray.direction.z);
         faulty.is_some_and(|faulty| faulty(ground)).then(|| {
             let (x, y) = (ground.x.floor(), ground.y.floor());
-            let kind = FaultKind::Range { name: "place".into(), value: x, low: y, high: 0.0 };
+            let kind = FaultKind::Range { name: "place".into(), value: x, low: y, high: 0.0, range: Origin::NONE };
             Fault::new(kind, Origin::NONE)
         })
     }

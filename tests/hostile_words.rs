@@ -1,0 +1,391 @@
+//! Texts and values that mean harm: what is said of each, by its code, its place and what is suggested.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::compiled;
+use treegen_compiler::{Compiled, LoadError, Loaded, Loader, Options, certain_faults, compile, problem_of_fault, show};
+use treegen_runtime::Limits;
+use treegen_runtime::picture::{RenderOptions, render};
+use treegen_runtime::trace::cells::{CellTracer, Culling};
+
+/// What a program comes to: a picture of numbers ("fine"), or the code of the first error.
+fn outcome(text: &str) -> String {
+    let compiled = compiled(text);
+    let shown = show(&compiled.problems, &compiled.sources, false);
+    assert!(shown.len() < 2 * 65_536 && !shown.contains('\u{1b}'));
+    let Some(scene) = &compiled.scene else {
+        return compiled.problems.iter().find(|it| it.is_error()).unwrap().code.to_owned();
+    };
+    let limits = Limits::default();
+    if let Some(certain) = certain_faults(scene, &limits, &compiled.vocabulary).first() {
+        return certain.code.to_owned();
+    }
+    let options = RenderOptions { size: Some((8, 6)), samples: Some(1), ..RenderOptions::default() };
+    match CellTracer::new(scene, &limits, Culling::State).and_then(|it| render(scene, &it, &options, &())) {
+        Ok(picture) if picture.color.iter().flatten().all(|it| it.is_finite()) => "fine".to_owned(),
+        Ok(_) => "a colour that is no number".to_owned(),
+        Err(fault) => problem_of_fault(&fault, &compiled.vocabulary).code.to_owned(),
+    }
+}
+
+/// Looks at all programs, and tells of all that come to something else than they should.
+fn assert_outcomes<T: AsRef<str> + Sync>(cases: &[(T, &str)]) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(256 << 20).build().unwrap();
+    let found = cases.iter().map(|it| (it, pool.install(|| outcome(it.0.as_ref()))));
+    let short = |it: &str| it.chars().take(200).collect::<String>();
+    let wrong: Vec<String> = found
+        .filter(|(case, found)| found != case.1)
+        .map(|(case, found)| format!("{found}, not {}: {:?}", case.1, short(case.0.as_ref())))
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The first error of a program: its code, the offset of its place, and what its first suggestion writes there.
+fn first(text: &str) -> (&'static str, usize, Option<String>) {
+    let Compiled { problems, .. } = compiled(text);
+    let error = problems.iter().find(|it| it.is_error()).unwrap();
+    let edit = error.suggestions.first().and_then(|it| it.edits.first()).map(|it| it.text.clone());
+    (error.code, error.span().unwrap().start as usize, edit)
+}
+
+/// Rows 2 and 5: marks, line ends and blanks change nothing; a lone carriage return is one of the characters that may not be there.
+#[test]
+fn line_ends_and_marks_change_nothing() {
+    let plain = "csg A {\n  start sphere; // a ball\n}\n";
+    let scene = compiled(plain).scene.unwrap();
+    for other in [
+        format!("\u{feff}{plain}"),
+        plain.replace('\n', "\r\n"),
+        plain.trim_end().to_owned(),
+        format!("{plain}{}", "\n".repeat(1000)),
+    ] {
+        let found = compiled(&other).scene.unwrap();
+        assert_eq!(found.graph.nodes().len(), scene.graph.nodes().len(), "{other:?}");
+    }
+    assert_eq!(first("csg A { start sphere;\r }").0, "E0101");
+    assert_eq!(first("csg A { start\u{feff} sphere; }").0, "E0101");
+}
+
+/// Rows 5 to 9: every character from outside is told where it stands, in code, comments and texts, with what was meant by it.
+#[test]
+fn foreign_characters_are_told_where_they_are_with_what_was_meant() {
+    let hidden = [
+        '\0',
+        '\u{1}',
+        '\u{7}',
+        '\u{8}',
+        '\u{1b}',
+        '\u{7f}',
+        '\u{85}',
+        '\u{200b}',
+        '\u{200e}',
+        '\u{202a}',
+        '\u{202e}',
+        '\u{2066}',
+        '\u{2069}',
+        '\u{2060}',
+        '\u{fe0f}',
+        '\u{e0041}',
+    ];
+    for letter in hidden {
+        for around in ["let a = 1; csg A { start @ sphere; }", "// b@\ncsg A { start sphere; }", "use \"c@.tg\";"] {
+            let text = around.replace('@', &letter.to_string());
+            let (code, place, _) = first(&text);
+            assert_eq!((code, place), ("E0101", text.find(letter).unwrap()), "{text:?}");
+        }
+    }
+    let meant = [
+        ('\u{430}', "a"),
+        ('\u{391}', "A"),
+        ('\u{ff41}', "a"),
+        ('\u{212a}', "K"),
+        ('\u{131}', "i"),
+        ('\u{2212}', "-"),
+        ('\u{d7}', "*"),
+        ('\u{f7}', "/"),
+        ('\u{ff15}', "5"),
+        ('\u{bd}', ".5"),
+        ('\u{2264}', "<="),
+        ('\u{2192}', "->"),
+        ('\u{3c0}', "pi"),
+        ('\u{221e}', "inf"),
+        ('\u{2026}', ".."),
+        ('\u{ff1b}', ";"),
+    ];
+    for (letter, twin) in meant {
+        let text = format!("let b = 1 {letter} 2; csg A {{ start sphere; }}");
+        let (code, place, edit) = first(&text);
+        let edit = edit.map(|it| it.trim().to_owned());
+        assert_eq!((code, place, edit.as_deref()), ("E0101", 10, Some(twin)), "{letter:?}");
+    }
+    for text in [
+        "use \u{201c}a.tg\u{201d};",
+        "let a = 30\u{b0};",
+        "let u\u{308}ber = 1;",
+        "let a = \u{665};",
+        "let \u{1d44e} = 1;",
+    ] {
+        assert_eq!(first(text).0, "E0101", "{text}");
+    }
+}
+
+/// Row 10: what has no end is told where it begins.
+#[test]
+fn what_has_no_end_is_told_where_it_begins() {
+    for (text, code, mark) in [
+        ("use \"a.tg;\ncsg A { start sphere; }", "E0103", "\""),
+        ("csg A { start sphere; } /* so", "E0104", "/*"),
+        ("csg A { start sphere; } /* so /* and */ so", "E0104", "/*"),
+        ("use \"a\\q.tg\";", "E0105", "\\"),
+        ("use \"a\\", "E0103", "\""),
+    ] {
+        let (found, place, _) = first(text);
+        assert_eq!((found, place), (code, text.find(mark).unwrap()), "{text}");
+    }
+}
+
+/// Row 11: numbers are read to the nearest float, or told.
+#[test]
+fn numbers_are_read_as_they_are_or_told() {
+    let with = |number: &str| format!("let a = {number}; csg S {{ start uscale(if a > 0 then 1 else 2) sphere; }}");
+    for (number, code) in [
+        ("1e-400", "fine"),
+        ("5e-324", "fine"),
+        ("9007199254740993", "fine"),
+        ("inf", "fine"),
+        ("1e400", "E0106"),
+        ("1e", "E0106"),
+        ("0x10", "E0106"),
+        ("12.", "E0106"),
+        ("1.2.3", "E0106"),
+        ("3deg", "E0106"),
+        ("NaN", "E0301"),
+        ("nan", "E0301"),
+    ] {
+        assert_outcomes(&[(with(number), code)]);
+    }
+    let long = |digits: usize| "1".repeat(digits);
+    assert_outcomes(&[
+        (with(&format!(".{}", long(12_000))), "fine"),
+        (with(&long(300)), "fine"),
+        (with(&long(12_000)), "E0106"),
+        ("param a = 1 in 1..2; csg S { start uscale(a) sphere; }".to_owned(), "fine"),
+    ]);
+}
+
+/// Rows 15 and 16: what is wrong a million times takes no more than it must, and the messages are few.
+#[test]
+fn a_million_mistakes_are_a_hundred_messages() {
+    for text in ["$ ".repeat(1_000_000), "$\n".repeat(1_000_000), "let ;\n".repeat(600_000)] {
+        let found = compiled(&text);
+        let shown = show(&found.problems, &found.sources, false);
+        assert!(shown.matches("error[").count() <= 100 && shown.contains("more"));
+    }
+    let names: String = (0..300_000).map(|it| format!("n{it},")).collect();
+    assert_outcomes(&[
+        (format!("enum Many {{ {names} }} csg A {{ start sphere; }}"), "fine"),
+        (
+            format!("csg A {{ start {} sphere; }}", (0..10_000).map(|it| format!("m{it} | ")).collect::<String>()),
+            "E0301",
+        ),
+    ]);
+}
+
+/// Row 17: what other programs would run is quoted, and nothing else.
+#[test]
+fn texts_for_other_programs_are_only_texts() {
+    for text in [
+        "#define A A A\nA",
+        "<?xml version=\"1.0\"?><!DOCTYPE lolz [<!ENTITY lol \"lol\">]><lolz>&lol;</lolz>",
+        "a: &a [*a,*a]",
+        "$(rm -rf /) `id` ; DROP TABLE trees; --",
+        "<script>alert(1)</script>",
+        "%s%n%x {0} {}",
+    ] {
+        assert!(outcome(text).starts_with("E01"), "{text}");
+    }
+}
+
+/// Rows 20 and 21: what is there twice shows both places; arguments that do not fit are told.
+#[test]
+fn what_is_there_twice_is_told_with_both_places() {
+    for (text, code) in [
+        ("let a = 1; let a = 2; csg A { start sphere; }", "E0305"),
+        ("csg A(a = 1, a = 2) { start uscale(a) sphere; }", "E0305"),
+        ("fn f(x, x) = x; csg A { start uscale(f(1, 1)) sphere; }", "E0305"),
+        ("enum K { a, b, a } csg A { start sphere; }", "E0305"),
+        ("csg A { start sphere; start box; }", "E0502"),
+        ("material M { gloss: 0, gloss: 1 } csg A { start paint(M) sphere; }", "E0602"),
+        ("csg A { let a = 1; var a = 2; start sphere; }", "E0306"),
+        ("scene { show sphere; } scene { show box; }", "E0611"),
+        ("csg A { start sphere; } shape A { start nothing; }", "E0305"),
+        ("csg B(x) { start uscale(x) sphere; } csg A { start B(1, x: 2); }", "E0404"),
+    ] {
+        let Compiled { problems, .. } = compiled(text);
+        let error = problems.iter().find(|it| it.is_error());
+        assert!(error.is_some_and(|it| it.code == code && it.labels.len() >= 2), "{code}: {text}: {problems:?}");
+    }
+}
+
+/// Row 23: circles of files are shown, and a file that many use is read once.
+#[test]
+fn circles_of_files_are_told_whatever_their_length() {
+    for count in [1, 2, 50] {
+        let files = Chain { count };
+        let main = files.load("", "f0.tg").unwrap();
+        let problems = compile(main, &files, &Options::default()).problems;
+        let told = problems.iter().filter(|it| it.code == "E0205").count();
+        assert_eq!(told, 1, "{count}: {problems:?}");
+    }
+}
+
+/// Files that use one another in a circle of so many.
+struct Chain {
+    count: usize,
+}
+
+impl Loader for Chain {
+    fn load(&self, _: &str, path: &str) -> Result<Loaded, LoadError> {
+        let number: usize = path[1..].trim_end_matches(".tg").parse().map_err(|_| LoadError::NotFound)?;
+        let next = (number + 1) % self.count;
+        let text = format!("use \"f{next}.tg\" as other; csg A {{ start other.A(); }}");
+        Ok(Loaded { name: path.to_owned(), text })
+    }
+}
+
+/// A file that is another one each time it is read.
+struct Changing(std::cell::Cell<u32>);
+
+impl Loader for Changing {
+    fn load(&self, _: &str, path: &str) -> Result<Loaded, LoadError> {
+        self.0.set(self.0.get() + 1);
+        let text = match (path, self.0.get()) {
+            ("a.tg", _) => "use \"shared.tg\"; csg A { start shared.Ball(); }".to_owned(),
+            ("b.tg", _) => "use \"shared.tg\"; csg B { start shared.Ball(); }".to_owned(),
+            ("shared.tg", it) if it <= 4 => "csg Ball { start sphere; }".to_owned(),
+            _ => return Err(LoadError::NotFound),
+        };
+        Ok(Loaded { name: path.to_owned(), text })
+    }
+}
+
+/// Row 25: what is used twice is the same text both times, or it is told that it is gone.
+#[test]
+fn a_file_that_changes_is_one_text_for_all_who_use_it() {
+    let main = "use \"a.tg\"; use \"b.tg\"; scene { show a.A() | b.B(); }";
+    for seen in 0..4 {
+        let files = Changing(std::cell::Cell::new(seen));
+        let found = compile(Loaded { name: "main.tg".into(), text: main.into() }, &files, &Options::default());
+        let texts = found.sources.iter().filter(|it| it.1.name == "shared.tg").count();
+        assert!(texts <= 1);
+        let is_told = found.problems.iter().any(|it| it.code == "E0201");
+        assert!(found.scene.is_some() != is_told, "{seen}: {:?}", found.problems);
+    }
+}
+
+/// Rows 31 and 60 to 63: every field of the scene and of materials with numbers that are none, too large, too small or below 0.
+#[test]
+fn no_number_in_a_field_makes_a_picture_of_no_numbers() {
+    let fields: &[(&str, &str)] = &[
+        ("camera", "eye: (0, -5, @), target: (0, 0, 0)"),
+        ("camera", "eye: (0, -5, 1), target: (0, 0, @)"),
+        ("camera", "eye: (0, -5, 1), target: (0, 0, 0), up: (0, 0, @)"),
+        ("camera", "eye: (0, -5, 1), target: (0, 0, 0), fov: @"),
+        ("camera", "eye: (0, -5, 1), target: (0, 0, 0), height: @"),
+        ("sun", "direction: (1, 1, @)"),
+        ("sun", "direction: (1, 1, -1), strength: @"),
+        ("sun", "direction: (1, 1, -1), size: @"),
+        ("sun", "direction: (1, 1, -1), color: (1, @, 1)"),
+        ("sky", "strength: @"),
+        ("sky", "haze: @"),
+        ("material", "color: (.5, @, .5)"),
+        ("material", "gloss: @"),
+        ("material", "mirror: @"),
+        ("material", "translucent: @"),
+        ("material", "roughen: @"),
+    ];
+    let mut cases = Vec::new();
+    for (record, field) in fields {
+        for value in ["0/0", "1/0", "inf", "-inf", "-1", "0", "1e-300", "1e300", "-1e300", "1e150"] {
+            let field = field.replace('@', value);
+            cases.push(match *record {
+                "material" => format!("material M {{ {field} }} scene {{ show paint(M) sphere; }}"),
+                _ => format!("scene {{ {record} {{ {field} }} show sphere; }}"),
+            });
+        }
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(256 << 20).build().unwrap();
+    let mut wrong = Vec::new();
+    for case in cases {
+        let found = pool.install(|| outcome(&case));
+        let may_be =
+            if case.contains("0/0") || case.contains("1/0") { &["E1005"][..] } else { &["fine", "E0608", "E0610"] };
+        // Nothing infinite is part of a picture.
+        let is_infinite = case.contains("inf") && found == "fine";
+        if !may_be.contains(&found.as_str()) || is_infinite {
+            wrong.push(format!("{found}: {case}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Rows 34, 40 to 42, 52 to 55 and 61 to 63.
+#[test]
+fn values_that_do_not_fit_are_told() {
+    let choose = |rules: &str| format!("csg S {{ start T(1); {rules} }}");
+    let camera = |fields: &str| format!("scene {{ camera {{ {fields} }} show sphere; }}");
+    let suns = "sun { direction: (0, 1, -1) } ".repeat(100_000);
+    assert_outcomes(&[
+        // Ranges.
+        ("param a = 3 in 6..1; csg S { start uscale(a) box; }".to_owned(), "E0622"),
+        ("param a = 3 in 0..inf; csg S { start uscale(a) box; }".to_owned(), "fine"),
+        ("param a = 3 in 0..2; csg S { start uscale(a) box; }".to_owned(), "E0621"),
+        ("param a = 3 in 0/0..2; csg S { start uscale(a) box; }".to_owned(), "E1005"),
+        ("csg B(a = 1 in 0..2) { start uscale(a) box; } csg S { start B(3); }".to_owned(), "E1007"),
+        // Guards, selections and weights.
+        (choose("T(n) if n > 1 -> box; T(n) if n < 1 -> sphere;"), "E1001"),
+        (choose("T(n) if n >= 1 -> box; T(n) if n <= 1 -> sphere;"), "fine"),
+        (choose("T(n) if 0 / (n - 1) > 1 -> box; T(n) -> sphere;"), "E1005"),
+        (choose("select T by 0; T(n) -> box; T(n) -> sphere;"), "E1002"),
+        (choose("select T by 3; T(n) -> box; T(n) -> sphere;"), "E1002"),
+        (choose("select T by 0/0; T(n) -> box; T(n) -> sphere;"), "E1005"),
+        (choose("select T by grow; T(n) -> box; big: T(n) -> sphere;"), "E0420"),
+        (choose("T(n) @ 0/0 -> box; T(n) @ 1 -> sphere;"), "E1005"),
+        (choose("T(n) @ 1 -> box; T(n) -> sphere;"), "E0504"),
+        (choose("T(n) @ 0 -> box; T(n) @ 1 -> sphere;"), "fine"),
+        // Solids.
+        ("csg S { start quadric(1,1,1,0,0,0,0,0,0,0); }".to_owned(), "fine"),
+        ("csg S { start quadric(0,0,0,0,0,0,0,0,1,0); }".to_owned(), "fine"),
+        ("csg S { start torus(2); }".to_owned(), "fine"),
+        ("csg S { start torus(-1); }".to_owned(), "E1010"),
+        ("csg S { start nothing \\ box; }".to_owned(), "fine"),
+        ("csg S { start box & move(9, 0, 0) box; }".to_owned(), "fine"),
+        ("csg S { start box \\ box; }".to_owned(), "fine"),
+        ("csg S { start box \\ uscale(1 - 1e-17) box; }".to_owned(), "fine"),
+        ("csg S { start (box | move(2, 0, 0) box) \\ move(1, 0, 0) box; }".to_owned(), "fine"),
+        // Pictures.
+        ("scene { image { size: (0, 0) } show box; }".to_owned(), "E0608"),
+        ("scene { image { size: (1, 1) } show box; }".to_owned(), "fine"),
+        ("scene { image { size: (4294967297, 1) } show box; }".to_owned(), "E0608"),
+        ("scene { image { size: (1.5, 2) } show box; }".to_owned(), "E0608"),
+        ("scene { image { samples: 0 } show box; }".to_owned(), "E0608"),
+        ("scene { image { samples: 1e9 } show box; }".to_owned(), "E0608"),
+        // Cameras.
+        (camera("eye: (1, 2, 3), target: (1, 2, 3)"), "E0610"),
+        (camera("eye: (0, 0, 9), target: (0, 0, 0)"), "fine"),
+        (camera("eye: (0, 0, 9), target: (0, 0, 0), up: (0, 0, 1)"), "fine"),
+        (camera("eye: (0, 0, 9), target: (0, 0, 0), up: (0, 0, 0)"), "E0608"),
+        (camera("eye: (0, -9, 0), target: (0, 0, 0), fov: 0"), "E0608"),
+        (camera("eye: (0, -9, 0), target: (0, 0, 0), fov: 180"), "E0608"),
+        (camera("eye: (0, -9, 0), target: (0, 0, 0), fov: 360"), "E0608"),
+        (camera("eye: (0, 0, 0), target: (0, 1, 0)"), "fine"),
+        (camera("eye: (0, -1, 0), target: (0, 0, 0)"), "fine"),
+        // Lights.
+        ("scene { sun { direction: (0, 1, -1), strength: 0 } sky { strength: 0 } show box; }".to_owned(), "fine"),
+        ("scene { sun { direction: (0, 0, 0) } show box; }".to_owned(), "E0608"),
+        ("scene { sun { direction: (0, 1, -1), strength: -1 } show box; }".to_owned(), "E0608"),
+        (format!("scene {{ {suns} show box; }}"), "E0902"),
+    ]);
+}

@@ -1,6 +1,7 @@
-//! Renders one program several times with one tracer, on one thread, and prints what it took as a line of JSON: the processor time
+//! Renders one program several times with one tracer and prints what it took as a line of JSON: the processor time
 //! of the first frame, for which cells are expanded, and of the later ones, for which they are there. With `--scan` it is drawn
-//! instead, for which everything is prepared before the first frame.
+//! instead, for which everything is prepared before the first frame. With more than one thread, it is the process's processor time, and
+//! frames a second by the clock are told.
 //!
 //!     cargo bench --bench frames -- benches/scenes/s1.tg --frames 5 --set Sierpinski.order=12
 #![allow(unreachable_pub, reason = "a program has no other users than itself")]
@@ -11,6 +12,7 @@ mod support;
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
@@ -30,7 +32,7 @@ const STACK_BYTES: usize = 256 << 20;
 
 #[derive(Parser)]
 struct Arguments {
-    /// The program; it may not use other files
+    /// The program
     file: PathBuf,
     /// How many frames
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..))]
@@ -50,6 +52,9 @@ struct Arguments {
     /// The size of the picture, instead of the program's: pixels a side
     #[arg(long, value_name = "PIXELS")]
     side: Option<u32>,
+    /// Threads that work
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
     /// Memory for what is kept between rays, in MB
     #[arg(long, default_value_t = 256)]
     cell_memory: u64,
@@ -71,6 +76,9 @@ struct Numbers {
     first_cpu_s: f64,
     /// The median of the frames after the first.
     later_cpu_s: f64,
+    /// By the clock: the median of the frames after the first, and how many are made in a second.
+    later_s: f64,
+    frames_a_second: f64,
     first_mrays_s_core: f64,
     later_mrays_s_core: f64,
     states: u64,
@@ -82,7 +90,7 @@ struct Numbers {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
     let scene = support::scene(&arguments.file, &arguments.set)?;
-    let pool = ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES).build()?;
+    let pool = ThreadPoolBuilder::new().num_threads(arguments.threads).stack_size(STACK_BYTES).build()?;
     let numbers = pool.install(|| measure(&scene, &arguments)).map_err(|fault| format!("{fault:?}"))?;
     println!("{}", serde_json::to_string(&numbers)?);
     Ok(())
@@ -109,14 +117,16 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, Fault> {
 fn frames(frames: u32, prepare_cpu_s: f64, frame: impl Fn() -> Result<Picture, Fault>) -> Result<Numbers, Fault> {
     let (picture, first_cpu_s) = timed(&frame);
     let picture = picture?;
-    let mut later = Vec::new();
+    let (mut later, mut by_the_clock) = (Vec::new(), Vec::new());
     for _ in 1..frames {
+        let start = Instant::now();
         let (again, seconds) = timed(&frame);
+        by_the_clock.push(start.elapsed().as_secs_f64());
         assert!(again? == picture, "a frame differs from the first");
         later.push(seconds);
     }
-    later.sort_by(f64::total_cmp);
-    let later_cpu_s = later[later.len() / 2];
+    let later_cpu_s = median(later);
+    let later_s = median(by_the_clock);
     Ok(Numbers {
         frames,
         camera: picture.rays.camera,
@@ -126,6 +136,8 @@ fn frames(frames: u32, prepare_cpu_s: f64, frame: impl Fn() -> Result<Picture, F
         prepare_cpu_s,
         first_cpu_s,
         later_cpu_s,
+        later_s,
+        frames_a_second: 1.0 / later_s,
         first_mrays_s_core: rate(&picture, first_cpu_s),
         later_mrays_s_core: rate(&picture, later_cpu_s),
         states: 0,
@@ -133,6 +145,11 @@ fn frames(frames: u32, prepare_cpu_s: f64, frame: impl Fn() -> Result<Picture, F
         cell_bytes: 0,
         peak_rss_mb: peak_rss_mb(),
     })
+}
+
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
 }
 
 /// Millions of rays a second.

@@ -225,9 +225,13 @@ fn walks_end_in_a_picture_or_in_a_message() {
         ),
         ("shape S { start a; priority 2147483648 { a -> nothing; } }", "E0516"),
         ("shape S { start a; priority .5 { a -> nothing; } }", "E0516"),
+        ("shape S { start a; priority -2147483649 { a -> nothing; } }", "E0516"),
+        // Nothing is ever laid.
+        ("shape S { start a; a -> b b; b -> nothing; }", "fine"),
         // Brackets and frames.
         ("shape S { start <200: [>segment(1,.1,.1)<200: ]>; }", "fine"),
         ("shape S { start <100000: [>", "E0903"),
+        ("shape S { start <100000: [>segment(1,.1,.1)<100000: ]>; }", "E0903"),
         ("shape S { start a; a -> [ segment(1,.1,.1); b -> ] segment(1,.1,.1); }", "E0114"),
         ("shape S { start repeat 400 { uscale(10) } segment(1,.1,.1); }", "E1015"),
         ("shape S { start repeat 400 { uscale(.1) } segment(1,.1,.1); }", "E1015"),
@@ -237,6 +241,10 @@ fn walks_end_in_a_picture_or_in_a_message() {
         ("shape S { start segment(-1, 1, 1); }", "E1013"),
         ("shape S { start segment(1, -1, 1); }", "E1013"),
         ("shape S { start segment(inf, 1, 1); }", "E1013"),
+        ("shape S { start segment(1, inf, 1); }", "E1013"),
+        ("shape S { start segment(0/0, 1, 1); }", "E1005"),
+        ("shape S { start segment(1, 0, 0); }", "fine"),
+        ("shape S { start segment(1, .1, .1) segment(0, .1, .1) segment(1, .1, .05); }", "fine"),
         ("shape S { start segment(1e-300, 1, 1) segment(1, .1, .1); }", "fine"),
         ("shape S { start segment(1e-300, 1e-300, 1e-300); }", "fine"),
         ("shape S { start segment(1e300, 1, 1); }", "fine"),
@@ -250,13 +258,18 @@ fn walks_end_in_a_picture_or_in_a_message() {
         (&format!("shape S {{ start repeat 200 {{ {step} rotx(179.999) rotz(1e-9) }}; }}"), "fine"),
         (&format!("shape S {{ start repeat 100 {{ [ repeat 5 {{ {step} }} ] }}; }}"), "fine"),
         (&format!("shape S {{ start repeat 30000 as i {{ {step} rotx(2) rotz(i / 100) }}; }}"), "fine"),
+        // The same place again, there and back, and a stem that crosses itself.
+        (&format!("shape S {{ start repeat 9 {{ [ {step} rotx(30) {step} ] }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 9 {{ {step} rotx(180) {step} rotx(180) }}; }}"), "fine"),
+        (&format!("shape S {{ start repeat 9 {{ {step} rotx(90) }}; }}"), "fine"),
+        ("shape S { start repeat 60 { segment(.1, .3, .3) rotx(90) }; }", "fine"),
         ("shape S { start variant(0) segment(1,.1,.1); }", "E1008"),
         // A walk is no expression, and an expression no walk.
         ("shape S { start a | a; a -> nothing; }", "E0510"),
         ("shape S { start (a); a -> nothing; }", "E0510"),
         ("shape S { start uscale(.5) (sphere | a); a -> nothing; }", "E0510"),
         ("csg S { start segment(1, 1, 1); }", "E0508"),
-        ("shape S { start mesh(\"stone.obj\"); }", "E0701"),
+        ("shape S { start mesh(\"stone.obj\"); }", "E0201"),
         ("shape S { start S2; } csg S2 { start box; }", "E0407"),
     ]);
 }

@@ -12,8 +12,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use treegen_compiler::{
-    Compiled, LoadError, Loaded, Loader, Options, Problem, certain_faults, compile, idle_rules, problem_of_fault, show,
-    show_json,
+    Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, Problem, certain_faults, compile, idle_rules,
+    problem_of_fault, show, show_json,
 };
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
@@ -54,6 +54,12 @@ impl Loader for Gallery {
         let known = Path::new(path).file_name().filter(|it| Path::new(path) == Path::new(it));
         let text = known.and_then(|it| fs::read_to_string(examples().join(it)).ok()).ok_or(LoadError::NotFound)?;
         Ok(Loaded { name: path.to_owned(), text })
+    }
+
+    fn load_bytes(&self, _: &str, path: &str, _: u64) -> Result<LoadedBytes, LoadError> {
+        let known = Path::new(path).file_name().filter(|it| Path::new(path) == Path::new(it));
+        let bytes = known.and_then(|it| fs::read(examples().join(it)).ok()).ok_or(LoadError::NotFound)?;
+        Ok(LoadedBytes { name: path.to_owned(), bytes })
     }
 }
 

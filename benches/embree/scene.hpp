@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "bounds.hpp"
+#include "frustum.hpp"
 
 struct Camera {
     Vec eye, corner, across, down;
@@ -88,6 +88,7 @@ struct Exported {
     std::vector<float> corners;
     std::vector<unsigned> triangles;
     std::vector<Bounded<Primitive>> plain;
+    std::vector<Bounded<Frustum>> frusta;
     std::vector<Bounded<Solid>> solids;
     // The maps of tetrahedra, when they stand for instances of another file.
     std::vector<Map> instances;
@@ -144,6 +145,9 @@ private:
                      12);
         } else if (kind == "triangle") {
             add_mesh(map, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 3, {0, 1, 2}, 3);
+        } else if (kind == "segment") {
+            Frustum frustum(json["parameters"], map);
+            frusta.push_back({frustum, bounds_of(frustum.box)});
         } else if (const Shape *shape = shape_of(kind)) {
             Primitive primitive(shape, map);
             plain.push_back({primitive, bounds_of(box_of(primitive))});
@@ -175,6 +179,16 @@ private:
 inline bool first_surface(const Primitive &it, const Ray &ray, float near, float far, float &t, Vec &normal) {
     Span span;
     if (!it.span(ray, 0, span)) return false;
+    bool enters = span.near > near;
+    t = enters ? span.near : span.far;
+    if (t <= near || t >= far) return false;
+    normal = it.normal(ray, t, enters ? span.near_surface : span.far_surface);
+    return true;
+}
+
+inline bool first_surface(const Frustum &it, const Ray &ray, float near, float far, float &t, Vec &normal) {
+    Span span;
+    if (!it.span(ray, span)) return false;
     bool enters = span.near > near;
     t = enters ? span.near : span.far;
     if (t <= near || t >= far) return false;
@@ -262,6 +276,7 @@ inline RTCScene scene_of(RTCDevice device, Exported &exported) {
         rtcReleaseGeometry(mesh);
     }
     Callbacks<Primitive>::attach(device, scene, exported.plain);
+    Callbacks<Frustum>::attach(device, scene, exported.frusta);
     Callbacks<Solid>::attach(device, scene, exported.solids);
     rtcCommitScene(scene);
     return scene;

@@ -3,24 +3,29 @@
 use std::error::Error;
 use std::path::Path;
 
-use treegen_compiler::{Compiled, Loaded, NoFiles, Options, Setting, compile, show};
+use treegen_compiler::{Compiled, Loaded, Options, Setting, compile, show};
 use treegen_runtime::form::Scene;
 
-/// The scene of a program that uses no other files.
+use beside::Beside;
+
+#[path = "../beside/mod.rs"]
+mod beside;
+
+/// The scene of a program, which may use files beside it.
 pub(crate) fn scene(file: &Path, settings: &[Setting]) -> Result<Scene, Box<dyn Error>> {
     let text = std::fs::read_to_string(file)?;
     let main = Loaded { name: file.display().to_string(), text };
     let options = Options { settings: settings.to_vec(), ..Options::default() };
-    let Compiled { scene, problems, sources, .. } = compile(main, &NoFiles, &options);
+    let Compiled { scene, problems, sources, .. } = compile(main, &Beside(file), &options);
     scene.ok_or_else(|| show(&problems, &sources, false).into())
 }
 
-/// The result of some work, and the processor time that this thread took for it, in seconds.
+/// The result of some work, and the processor time that this program took for it, in seconds.
 #[cfg(unix)]
 pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     use nix::time::{ClockId, clock_gettime};
     let now = || {
-        clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)
+        clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID)
             .map_or(f64::NAN, |it| std::time::Duration::from(it).as_secs_f64())
     };
     let before = now();

@@ -17,6 +17,7 @@ mod limits;
 mod load;
 mod loader;
 mod lower;
+mod meshes;
 mod pictures;
 mod problem;
 mod program;
@@ -82,7 +83,15 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     let units = load::load(main, loader, &mut sources, &mut problems);
     let own = problems.len();
     let overrides = settings::find(&options.settings, &units, &mut sources, &mut problems);
-    let input = resolve::Input { units: &units, sources: &sources, overrides: &overrides, time: options.time };
+    let most_triangles = options.limits.mesh_triangles;
+    let input = resolve::Input {
+        units: &units,
+        sources: &sources,
+        overrides: &overrides,
+        time: options.time,
+        loader,
+        most_triangles,
+    };
     let mut program = resolve::resolve(&input, &mut problems);
     let vocabulary = program.vocabulary();
     check::check(&mut program, &mut problems);

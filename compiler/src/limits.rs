@@ -7,11 +7,11 @@ use treegen_runtime::{Limit, Limits};
 use crate::check::MAX_LISTS;
 use crate::load::{MAX_BYTES, MAX_FILES};
 use crate::lower::MAX_NODES;
-use crate::pictures;
 use crate::resolve::MAX_SLOTS;
 use crate::scene::MAX_SUNS;
 use crate::show::MOST_SHOWN;
 use crate::words::fault::limit_code;
+use crate::{meshes, pictures};
 
 /// A limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +82,7 @@ const OF_TEXT: &[(&str, &str, u64, &str)] = &[
     ("values", "names of values in one system", MAX_SLOTS as u64, "E0902"),
     ("picture-bytes", "bytes of a picture's file", pictures::MAX_BYTES, "E0901"),
     ("picture-pixels", "pixels of all pictures of a program", pictures::MAX_PIXELS, "E0909"),
+    ("mesh-bytes", "bytes of a mesh's file", meshes::MAX_BYTES, "E0901"),
     ("suns", "suns of a scene", MAX_SUNS as u64, "E0902"),
     ("nodes", "nodes of the graph that a program is lowered to", MAX_NODES as u64, "E0905"),
 ];
@@ -129,7 +130,8 @@ const RAISED: &[Raised] = raised![
     "steps", "boxes and primitives that one ray may meet", steps: u64, Some(Limit::Steps), Change::Allow(1 << 48);
     "intervals", "pieces of one ray inside solids", intervals: u32, Some(Limit::Intervals), MANY;
     "primitives", "primitives that treegen inspect --expand writes", primitives: u64, Some(Limit::Primitives), Change::Option("--limit N");
-    "triangles", "triangles of a mesh", triangles: u64, Some(Limit::Triangles), Change::Option("--triangles N");
+    "triangles", "triangles of a mesh that is written", triangles: u64, Some(Limit::Triangles), Change::Option("--triangles N");
+    "mesh-triangles", "triangles of all meshes that a program reads", mesh_triangles: u64, Some(Limit::MeshTriangles), Change::Allow(u32::MAX as u64 / 4);
     "mesh-nodes", "places in a mesh; where there are more, parts are larger", mesh_nodes: u64, None, Change::Allow(1 << 32);
     "cell-bytes", "bytes kept between rays; it changes the time, never the picture", cell_bytes: u64, None, Change::Option("--cell-memory MB");
 ];
@@ -195,11 +197,12 @@ mod tests {
             intervals,
             primitives,
             triangles,
+            mesh_triangles,
             mesh_nodes,
             cell_bytes,
         } = limits;
         let small = [depth, calls, repeat, list, items, rules, modules, segments, planes, intervals].map(u64::from);
-        let large = [operations, strides, steps, primitives, triangles, mesh_nodes, cell_bytes];
+        let large = [operations, strides, steps, primitives, triangles, mesh_triangles, mesh_nodes, cell_bytes];
         let mut changed: Vec<u64> = small.iter().chain(&large).map(|it| it - 7).collect();
         let mut defaults: Vec<u64> = RAISED.iter().map(|it| (it.of)(&Limits::default())).collect();
         changed.sort_unstable();

@@ -40,7 +40,7 @@ impl<'l> Pictures<'l> {
     pub(crate) fn find(&mut self, path: &str, span: Span) -> Result<Arc<Raster>, Problem> {
         let importer = self.sources.get(span.file).map_or("", |it| it.name.as_str());
         let loaded = self.loader.load_bytes(importer, path, MAX_BYTES);
-        let loaded = loaded.map_err(|why| words::files::picture_not_loaded(path, span, &why, MAX_BYTES))?;
+        let loaded = loaded.map_err(|why| words::files::data_not_loaded("a picture's", path, span, &why, MAX_BYTES))?;
         if let Some(known) = self.known.get(&loaded.name) {
             return Ok(Arc::clone(known));
         }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use treegen_grammar::Span;
 use treegen_grammar::ast::{BinaryOp, CutOp, SystemKind, UnaryOp};
 use treegen_runtime::form::{Builtin, Draw, Order, PrimitiveKind, TransformKind};
+use treegen_runtime::geometry::Triangles;
 
 use crate::builtin::WalkWord;
 use crate::vocabulary::Vocabulary;
@@ -62,6 +63,8 @@ pub(crate) struct Program {
     pub(crate) scene: Option<Scene>,
     /// The last system of the main file: it is shown when there is no scene.
     pub(crate) last_system: Option<SystemId>,
+    /// The meshes that its primitives name.
+    pub(crate) meshes: Vec<Arc<Triangles>>,
     /// Whether a part of the main file could not be read, so that it may have more than is here.
     pub(crate) is_partial: bool,
     /// Where the last item of the main file ends, in bytes.

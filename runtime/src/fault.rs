@@ -186,8 +186,10 @@ pub enum Limit {
     Intervals,
     /// Primitives of an exported scene.
     Primitives,
-    /// Triangles of a mesh.
+    /// Triangles of a mesh that is written.
     Triangles,
+    /// Triangles of the meshes that are read.
+    MeshTriangles,
     /// Cells of all solid textures.
     Cells,
     /// Pixels of a picture.

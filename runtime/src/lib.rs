@@ -17,6 +17,7 @@ pub mod geometry;
 mod lanes;
 mod limits;
 pub mod mesh;
+pub mod obj;
 pub mod picture;
 mod quick_hash;
 pub mod scan;

@@ -31,8 +31,10 @@ pub struct Limits {
     pub intervals: u32,
     /// Primitives of an exported scene; places where there is nothing count, too.
     pub primitives: u64,
-    /// Triangles of a mesh.
+    /// Triangles of a mesh that is written.
     pub triangles: u64,
+    /// Triangles of all meshes that a program reads.
+    pub mesh_triangles: u64,
     /// Places where parts of a mesh are laid down; where there would be more, they are larger.
     pub mesh_nodes: u64,
     /// How far hulls that were split may be seen beside where they are, in widths of beams: they have so much less detail from afar. 0 shows
@@ -60,6 +62,7 @@ impl Default for Limits {
             intervals: 4096,
             primitives: 10_000_000,
             triangles: 4_000_000,
+            mesh_triangles: 4_000_000,
             mesh_nodes: 65_536,
             lod: 1.0,
             cell_bytes: 256 << 20,

@@ -111,8 +111,8 @@ fn pieces(list: &SegmentList) -> (Vec<Piece>, Vec<Joint>) {
 }
 
 /// The pieces of a line inside a stem: each end with the piece and the face.
-fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u16)> {
-    let lists: Vec<Intervals<(usize, u16)>> = pieces
+fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u32)> {
+    let lists: Vec<Intervals<(usize, u32)>> = pieces
         .iter()
         .enumerate()
         .map(|(number, piece)| {
@@ -124,8 +124,8 @@ fn inside(pieces: &[Piece], ray: &Ray) -> Intervals<(usize, u16)> {
 }
 
 /// Whether a face that was met may be seen.
-fn is_visible(pieces: &[Piece], (piece, face): (usize, u16)) -> bool {
-    face == 0 || pieces[piece].is_outside[usize::from(face) - 1]
+fn is_visible(pieces: &[Piece], (piece, face): (usize, u32)) -> bool {
+    face == 0 || pieces[piece].is_outside[face as usize - 1]
 }
 
 #[test]

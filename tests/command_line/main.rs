@@ -15,6 +15,7 @@ mod interrupts;
 mod limits;
 mod measure;
 mod mesh;
+mod meshes;
 mod output;
 mod pictures;
 mod same_bytes;

@@ -29,7 +29,8 @@ fn example(lines: &[&str]) -> Example {
     let mut arguments: Vec<String> = ["check", "main.tg"].map(str::to_owned).to_vec();
     let mut files = vec![("main.tg".to_owned(), String::new())];
     for line in lines {
-        let file = line.strip_prefix("// ").filter(|it| it.ends_with(".tg") && !it.contains(' '));
+        let file = line.strip_prefix("// ").filter(|it| !it.contains(' '));
+        let file = file.filter(|it| it.ends_with(".tg") || it.ends_with(".obj"));
         if let Some(command) = line.strip_prefix("$ treegen ") {
             arguments = command.split(' ').map(str::to_owned).collect();
         } else if let Some(file) = file {

@@ -7,6 +7,7 @@
 mod common;
 mod files;
 mod gltf;
+mod imported;
 mod limits;
 mod solids;
 mod stems;

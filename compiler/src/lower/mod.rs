@@ -138,7 +138,8 @@ impl Lowering<'_> {
         let selects = self.selects.into_iter().flatten().collect();
         let systems = self.systems.into_iter().flatten().collect();
         let functions = self.functions.into_table();
-        let graph = Graph::with_shapes(self.nodes, selects, systems, functions, self.shapes, root);
+        let graph =
+            Graph::with_shapes(self.nodes, selects, systems, functions, self.shapes, self.program.meshes.clone(), root);
         match graph {
             Ok(graph) => Ok(Lowered { graph, materials: self.materials }),
             Err(error) => Err(words::values::no_graph(&error)),

@@ -10,7 +10,7 @@ use super::names::{Meaning, Named};
 use super::scope::Scope;
 use crate::builtin;
 use crate::fields::{self, FieldRule};
-use crate::program::{ModuleId, Prefix, PrefixKind, Solid, SolidKind, SystemId};
+use crate::program::{ExprKind, ModuleId, Prefix, PrefixKind, Solid, SolidKind, SystemId};
 use crate::similar::nearest;
 use crate::words;
 
@@ -204,7 +204,7 @@ impl Resolver<'_> {
                 Role::Prefix(Prefix { span, kind }, "scatter")
             }
             "terrain" => solid(self.later_solid(scope, "terrain", fields::TERRAIN, 0, args, span)),
-            "mesh" => solid(self.later_solid(scope, "mesh", fields::MESH, 1, args, span)),
+            "mesh" => solid(self.mesh(scope, args, span)),
             _ => self.other_term(scope, name, args, span),
         }
     }
@@ -228,6 +228,31 @@ impl Resolver<'_> {
         let what = if scope.walk { "module, solid or transformation" } else { "solid, module or transformation" };
         self.unknown(scope, &name.text, name.span, what, &fits, &known);
         error
+    }
+
+    /// `mesh("file.obj")`
+    fn mesh(&mut self, scope: &mut Scope, args: Option<&[ast::Arg]>, span: Span) -> SolidKind {
+        let Some(checked) = self.later(scope, "mesh", fields::MESH, 1, args, span) else {
+            return SolidKind::Error;
+        };
+        let Some((file, ..)) = checked.args.first() else {
+            return SolidKind::Error;
+        };
+        let ExprKind::Text(path) = &file.kind else {
+            self.report(scope, words::systems::mesh_not_text(file.span));
+            return SolidKind::Error;
+        };
+        match self.meshes.find(path, file.span) {
+            Ok(Some(kind)) => SolidKind::Primitive { kind, args: Vec::new(), flat: false },
+            Ok(None) => {
+                self.break_def(scope.def);
+                SolidKind::Error
+            }
+            Err(problem) => {
+                self.report(scope, problem);
+                SolidKind::Error
+            }
+        }
     }
 
     fn later_solid(

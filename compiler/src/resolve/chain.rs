@@ -2,6 +2,7 @@
 
 use treegen_grammar::Span;
 use treegen_grammar::ast::{self, CutOp, TermKind};
+use treegen_runtime::form::{MeshId, PrimitiveKind};
 
 use super::Resolver;
 use super::names::{Meaning, Named};
@@ -48,9 +49,18 @@ impl Resolver<'_> {
     /// An operand of `&` or `\`: it must have an inside.
     fn cut_operand(&mut self, scope: &mut Scope, solid: &ast::Solid, op: CutOp) -> Solid {
         let operand = self.solid(scope, solid);
-        if let Some((name, span)) = open_surface(&operand) {
+        if let Some((surface, span)) = open_surface(&operand) {
             let op = if op == CutOp::Intersect { "&" } else { "\\" };
-            self.report(scope, words::systems::open_surface(name, span, op));
+            let gap = match surface {
+                Surface::Mesh(mesh) => self.meshes.get(mesh).gap(),
+                Surface::Named(_) => None,
+            };
+            let problem = match (gap, surface) {
+                (Some(gap), _) => words::systems::open_mesh(gap, span, op),
+                (None, Surface::Named(name)) => words::systems::open_surface(name, span, op),
+                (None, Surface::Mesh(_)) => words::systems::open_surface("mesh", span, op),
+            };
+            self.report(scope, problem);
         }
         operand
     }
@@ -186,11 +196,21 @@ impl Resolver<'_> {
     }
 }
 
-/// A primitive without an inside that an operand surely contributes, with its place.
-fn open_surface(solid: &Solid) -> Option<(&'static str, Span)> {
+/// A surface without an inside.
+#[derive(Clone, Copy)]
+enum Surface {
+    Named(&'static str),
+    Mesh(MeshId),
+}
+
+/// A surface without an inside that an operand surely contributes, with its place.
+fn open_surface(solid: &Solid) -> Option<(Surface, Span)> {
     match &solid.kind {
-        SolidKind::Primitive { kind, .. } if !kind.is_solid() => Some((kind.name(), solid.span)),
-        SolidKind::Later(later) if later.what == "terrain" => Some((later.what, solid.span)),
+        SolidKind::Primitive { kind: PrimitiveKind::Mesh { mesh, closed: false }, .. } => {
+            Some((Surface::Mesh(*mesh), solid.span))
+        }
+        SolidKind::Primitive { kind, .. } if !kind.is_solid() => Some((Surface::Named(kind.name()), solid.span)),
+        SolidKind::Later(later) if later.what == "terrain" => Some((Surface::Named(later.what), solid.span)),
         SolidKind::Chain { body, .. } | SolidKind::Repeat { body, .. } => open_surface(body),
         SolidKind::Union(operands) => operands.iter().find_map(open_surface),
         SolidKind::Choice { branches, otherwise } => branches

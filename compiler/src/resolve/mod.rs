@@ -24,6 +24,8 @@ use treegen_grammar::ast::ItemKind;
 use treegen_grammar::{FileId, Span};
 
 use crate::load::Unit;
+use crate::loader::Loader;
+use crate::meshes::Meshes;
 use crate::problem::Problem;
 use crate::program::{Def, DefId, DefKind, ModuleId, Program, SlotId, SystemId};
 use crate::settings::Override;
@@ -44,6 +46,10 @@ pub(crate) struct Input<'a> {
     pub(crate) overrides: &'a [Override],
     /// The moment of the frame in seconds.
     pub(crate) time: f64,
+    /// Brings the files of meshes.
+    pub(crate) loader: &'a dyn Loader,
+    /// How many triangles all meshes may have.
+    pub(crate) most_triangles: u64,
 }
 
 /// Resolves all names of a program.
@@ -66,6 +72,7 @@ pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program
         slots_full: false,
         has_default: HashSet::new(),
         uneven: HashSet::new(),
+        meshes: Meshes::new(input.loader, input.sources, input.most_triangles),
     };
     for number in 0..units.len() {
         resolver.declare_file(FileId(number as u32));
@@ -74,6 +81,7 @@ pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program
         resolver.resolve_file(FileId(number as u32));
     }
     resolver.show_unused();
+    resolver.program.meshes = resolver.meshes.into_meshes();
     resolver.program
 }
 
@@ -100,6 +108,7 @@ struct Resolver<'a> {
     has_default: HashSet<DefId>,
     /// The modules whose rules do not agree in how many parameters they have: no call of one is wrong for that.
     uneven: HashSet<ModuleId>,
+    meshes: Meshes<'a>,
 }
 
 impl Resolver<'_> {

@@ -82,7 +82,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Something that is checked and cannot be drawn yet. Its first `needed` arguments must be given.
+    /// Something with arguments of its own, most of which is checked and cannot be drawn yet. Its first `needed` arguments must be given.
     pub(super) fn later(
         &mut self,
         scope: &mut Scope,

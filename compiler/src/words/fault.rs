@@ -244,6 +244,7 @@ pub(crate) fn limit_code(limit: Limit) -> &'static str {
         Limit::Strides => "E0925",
         Limit::Primitives => "E0921",
         Limit::Triangles => "E0926",
+        Limit::MeshTriangles => "E0910",
         Limit::Planes => "E0927",
         Limit::Cells => "E0928",
     }
@@ -268,6 +269,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Strides => "a derivation takes more steps than the limit",
         Limit::Primitives => "the scene has more primitives than the limit",
         Limit::Triangles => "the mesh has more triangles than the limit",
+        Limit::MeshTriangles => "the meshes that are read have more triangles than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
     }
 }

@@ -1,8 +1,11 @@
 //! Used files: `E02`.
 
 use treegen_grammar::Span;
+use treegen_runtime::Limit;
+use treegen_runtime::obj::{self, BadMesh};
 use treegen_runtime::texture::BadPicture;
 
+use crate::limits::way_to_raise;
 use crate::loader::LoadError;
 use crate::problem::{Problem, Safety};
 
@@ -27,17 +30,57 @@ pub(crate) fn not_loaded(path: &str, span: Span, why: &LoadError) -> Problem {
     }
 }
 
-/// A picture whose file could not be read.
-pub(crate) fn picture_not_loaded(path: &str, span: Span, why: &LoadError, most: u64) -> Problem {
+/// A file that is no text and could not be read; `whose` says what it should hold.
+pub(crate) fn data_not_loaded(whose: &str, path: &str, span: Span, why: &LoadError, most: u64) -> Problem {
     match why {
         LoadError::TooLarge => {
-            let most = format!("a picture's file has {} MiB at most", most >> 20);
+            let most = format!("{whose} file has {} MiB at most", most >> 20);
             Problem::error("E0901", format!("`{path}` is too large"), span, most)
         }
         LoadError::NotFound | LoadError::Outside | LoadError::NotText { .. } | LoadError::Refused(_) => {
             not_loaded(path, span, why)
         }
     }
+}
+
+/// A file that is no mesh.
+pub(crate) fn bad_mesh(path: &str, span: Span, why: &BadMesh) -> Problem {
+    let at = |line: u32, what: String| (format!("line {line}: {what}"), None);
+    let (reason, note) = match why {
+        BadMesh::NotText { line } => at(*line, "a byte that no text has".to_owned()),
+        BadMesh::LongLine { line } => at(*line, format!("a line has {} bytes at most", obj::MAX_LINE_BYTES)),
+        BadMesh::Few { line, word } => at(*line, format!("three numbers must follow `{word}`")),
+        BadMesh::Number { line, text } => at(*line, format!("`{text}` is no coordinate")),
+        BadMesh::Index { line, text, what, count } if *count == u32::MAX as usize => {
+            at(*line, format!("`{text}` names no {what}"))
+        }
+        BadMesh::Index { line, text, what, count } => {
+            let (reason, _) = at(*line, format!("`{text}` names no {what}: there are {count}"));
+            (reason, Some("numbers count from 1, or from -1 back from the last before the line"))
+        }
+        BadMesh::Corners { line, count } if *count < 3 => at(*line, "a face has three corners at least".to_owned()),
+        BadMesh::Corners { line, count } => {
+            let most = obj::MAX_CORNERS;
+            at(*line, format!("a face of {count} corners; one that is not convex has {most} at most"))
+        }
+        // Told of in other words.
+        BadMesh::TooMany { line } => at(*line, "too many triangles".to_owned()),
+        BadMesh::NoFaces => {
+            ("it has no faces".to_owned(), Some("a mesh is a Wavefront OBJ text: lines with `v` and `f`"))
+        }
+        BadMesh::NoExtent => ("its triangles have no extent".to_owned(), None),
+    };
+    let problem = Problem::error("E0208", format!("`{path}` is not a mesh that can be read"), span, reason);
+    note.into_iter().fold(problem, |problem, note| problem.note(note.to_owned()))
+}
+
+/// A mesh with which all have more triangles than they may.
+pub(crate) fn too_many_triangles(path: &str, line: u32, (left, most): (u64, u64), span: Span) -> Problem {
+    let label = format!("up to line {line} it has more than {left}");
+    let problem = Problem::error("E0910", format!("`{path}` has too many triangles"), span, label);
+    let all = format!("all meshes of a program have {most} at most, and points three times as many");
+    let problem = problem.note(all);
+    way_to_raise(Limit::MeshTriangles).into_iter().fold(problem, Problem::note)
 }
 
 /// A file that is no picture to be shown.

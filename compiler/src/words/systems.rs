@@ -1,6 +1,7 @@
 //! Systems, rules and solids: `E05`.
 
 use treegen_grammar::Span;
+use treegen_runtime::geometry::Gap;
 
 use super::count;
 use crate::problem::{Problem, Safety};
@@ -112,6 +113,23 @@ pub(crate) fn open_surface(name: &str, span: Span, op: &str) -> Problem {
         "a surface, not a solid",
     )
     .note("such surfaces can be joined by `|` only")
+}
+
+/// A mesh whose file is not written out.
+pub(crate) fn mesh_not_text(span: Span) -> Problem {
+    Problem::error("E0608", "`file` must be the name of a file, in quotes", span, "this is not written out")
+}
+
+/// An open mesh below `&` or `\`.
+pub(crate) fn open_mesh(gap: &Gap, span: Span, op: &str) -> Problem {
+    let edges = super::count(gap.edges as usize, "edge");
+    let what = if gap.turned {
+        format!("its faces do not all turn the same way: {edges}, the first at line {}", gap.line)
+    } else {
+        format!("it is not closed: {edges} without a neighbour, the first at line {}", gap.line)
+    };
+    Problem::error("E0511", format!("this mesh has no inside, so `{op}` cannot cut with it"), span, what)
+        .note("such surfaces can be joined by `|` only")
 }
 
 /// An assignment to something that never changes.

@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use treegen_compiler::{Compiled, LoadError, Loaded, Loader, NoFiles, Options, Setting, compile, show};
+use treegen_compiler::{Compiled, LoadError, Loaded, LoadedBytes, Loader, NoFiles, Options, Setting, compile, show};
 use treegen_runtime::form::{Graph, Scene};
 
 /// Finds files in one folder and below.
@@ -12,21 +12,32 @@ pub struct Folder(pub PathBuf);
 
 impl Loader for Folder {
     fn load(&self, importer: &str, path: &str) -> Result<Loaded, LoadError> {
-        let mut parts: Vec<&str> = importer.split('/').collect();
-        parts.pop();
-        for part in path.split('/') {
-            match part {
-                "." => {}
-                ".." => {
-                    parts.pop().ok_or(LoadError::Outside)?;
-                }
-                _ => parts.push(part),
-            }
-        }
-        let name = parts.join("/");
+        let name = name(importer, path)?;
         let text = std::fs::read_to_string(self.0.join(&name)).map_err(|_| LoadError::NotFound)?;
         Ok(Loaded { name, text })
     }
+
+    fn load_bytes(&self, importer: &str, path: &str, _most: u64) -> Result<LoadedBytes, LoadError> {
+        let name = name(importer, path)?;
+        let bytes = std::fs::read(self.0.join(&name)).map_err(|_| LoadError::NotFound)?;
+        Ok(LoadedBytes { name, bytes })
+    }
+}
+
+/// Where a path leads from a file, both below the folder.
+fn name(importer: &str, path: &str) -> Result<String, LoadError> {
+    let mut parts: Vec<&str> = importer.split('/').collect();
+    parts.pop();
+    for part in path.split('/') {
+        match part {
+            "." => {}
+            ".." => {
+                parts.pop().ok_or(LoadError::Outside)?;
+            }
+            _ => parts.push(part),
+        }
+    }
+    Ok(parts.join("/"))
 }
 
 /// Compiles a program that stands alone.

@@ -34,7 +34,9 @@ pub fn limits() -> Limits {
         intervals: 256,
         primitives: 2_000,
         triangles: 20_000,
+        mesh_triangles: 5_000,
         mesh_nodes: 500,
+        lod: 1.0,
         cell_bytes: 16 << 20,
     }
 }

@@ -63,14 +63,14 @@ fn reach(primitive: &Primitive, direction: DVec3) {
     assert!(!is_plain || !support.is_nan(), "{primitive:?} {direction:?}");
 }
 
-fn meet(primitive: &Primitive, ray: &Ray, from: Option<u16>) {
+fn meet(primitive: &Primitive, ray: &Ray, from: Option<u32>) {
     let told = || format!("{primitive:?} {ray:?} {from:?}");
     let chords = primitive.chords(ray, from);
     assert!(chords.iter().all(|it| it.near.t < it.far.t), "{} {chords:?}", told());
     assert!(chords.windows(2).all(|it| it[0].far.t <= it[1].near.t), "{} {chords:?}", told());
-    let crossing = primitive.crossing(ray, from);
-    assert!(crossing.is_none_or(|it| it.t.is_finite()), "{}", told());
-    for end in chords.iter().flat_map(|it| [it.near, it.far]).chain(crossing).filter(|it| it.t.is_finite()) {
+    let crossings = primitive.crossings(ray, from);
+    assert!(crossings.iter().all(|it| it.t.is_finite()), "{}", told());
+    for end in chords.iter().flat_map(|it| [it.near, it.far]).chain(crossings).filter(|it| it.t.is_finite()) {
         let normal = primitive.normal(ray.at(end.t), end.face);
         let length = normal.length();
         let is_known = ray.at(end.t).is_finite();

@@ -60,7 +60,7 @@ impl Flow {
         let all = Analysis::run(whole, &entries, Sinks::All);
         let control = Analysis::run(whole, &entries, Sinks::Control);
         let graph = slim(whole, &all).unwrap_or_else(|| whole.clone());
-        let fixed = graph.nodes().iter().map(fixed).collect();
+        let fixed = graph.nodes().iter().map(|it| fixed(&graph, it)).collect();
         let lays = all.at_entries().iter().zip(control.at_entries());
         let lays = lays
             .map(|(all, control)| Lay {
@@ -132,13 +132,13 @@ impl Flow {
     }
 }
 
-fn fixed(node: &Node) -> Fixed {
+fn fixed(graph: &Graph, node: &Node) -> Fixed {
     match node {
         Node::Transform { kind, code, .. } => {
             constants(code).map_or(Fixed::No, |it| Fixed::Step(Step::known(*kind, &it)))
         }
         Node::Primitive { kind, code, .. } => {
-            constants(code).map_or(Fixed::No, |it| Fixed::Primitive(Primitive::new(*kind, &it)))
+            constants(code).map_or(Fixed::No, |it| Fixed::Primitive(graph.primitive(*kind, &it)))
         }
         _ => Fixed::No,
     }

@@ -119,9 +119,12 @@ impl Loose {
             PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => {
                 Self::of_box(Aabb { max: DVec3::new(f64::INFINITY, f64::INFINITY, 0.0), ..Aabb::ALL })
             }
-            PrimitiveKind::HalfSpace | PrimitiveKind::Quadric | PrimitiveKind::Segment | PrimitiveKind::Hull => {
-                Self::ALL
-            }
+            // The last has no numbers.
+            PrimitiveKind::HalfSpace
+            | PrimitiveKind::Quadric
+            | PrimitiveKind::Segment
+            | PrimitiveKind::Hull
+            | PrimitiveKind::Mesh { .. } => Self::ALL,
         }
     }
 

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 use super::range::Range;
 use crate::eval::angle;
 use crate::form::PrimitiveKind;
-use crate::geometry::{Aabb, Primitive};
+use crate::geometry::{Aabb, Primitive, Triangles};
 
 /// Directions of the table, from z itself to straight against it.
 const COUNT: usize = 17;
@@ -185,6 +185,10 @@ impl Profile {
                 }
                 _ => Self::of_box(&primitive.bounds()),
             },
+            PrimitiveKind::Mesh { .. } => {
+                let round = primitive.mesh().map_or(&[][..], Triangles::round);
+                Self::each(|it| round.iter().map(|at| level(at.x, at.y).dot(it)).fold(f64::NEG_INFINITY, f64::max))
+            }
             PrimitiveKind::HalfSpace
             | PrimitiveKind::Hyperboloid
             | PrimitiveKind::Paraboloid

@@ -245,7 +245,7 @@ impl Walker {
                     let loose = if exact.len() < ranges.len() {
                         Loose::of_primitives(*kind, &ranges).through(&here.way)
                     } else {
-                        match Primitive::new(*kind, &exact) {
+                        match flow.graph.primitive(*kind, &exact) {
                             Some(primitive) => bounds_of(&primitive, &here.way),
                             None => return,
                         }

@@ -353,6 +353,7 @@ impl PrimitiveKind {
             Self::Quadric => "quadric",
             Self::Segment => "segment",
             Self::Hull => "hull",
+            Self::Mesh { .. } => "mesh",
         }
     }
 }

@@ -6,6 +6,7 @@
 //! - `sun`: `direction` (the way its light travels), `color`, `strength`, `size`;
 //! - `sky`: `color`, `strength`, `haze`;
 //! - `material`: `name`, `color`, `range`, `gloss`;
+//! - `triangles`: a mesh of a file: its number, which primitives name as their `mesh`, its `points`, and its `triangles` as numbers of these;
 //! - a primitive, by its name in the language: its `parameters`, `world_from_primitive` (three rows of an affine map that takes
 //!   points of its own frame to the world), and the name of its `material` or null;
 //! - `intersection` and `difference`: their `operands`, each a list of primitives and Booleans whose union it is.
@@ -18,7 +19,7 @@ use serde::Serialize;
 
 use super::piece::rows;
 use super::{Boolean, ExportError, Piece, Pieces, Placed};
-use crate::form::{Camera, Lens, Material, MaterialId, Scene, Sky, Sun};
+use crate::form::{Camera, Lens, Material, MaterialId, PrimitiveKind, Scene, Sky, Sun};
 
 /// Writes a scene with all its primitives, as they come.
 ///
@@ -27,6 +28,10 @@ use crate::form::{Camera, Lens, Material, MaterialId, Scene, Sky, Sun};
 pub fn write_json(scene: &Scene, pieces: &mut Pieces<'_>, out: &mut impl Write) -> Result<(), ExportError> {
     for record in records(scene) {
         line(&record, out)?;
+    }
+    for (number, mesh) in scene.graph.meshes().iter().enumerate() {
+        let points = mesh.points().iter().map(|it| it.to_array()).collect();
+        line(&Record::Triangles { mesh: number as u32, points, triangles: mesh.triangles() }, out)?;
     }
     let mut writer = Writer { materials: &scene.materials, depth: 0, first: true };
     for piece in pieces {
@@ -65,6 +70,11 @@ enum Record<'a> {
         color: [f64; 3],
         range: [f64; 3],
         gloss: f64,
+    },
+    Triangles {
+        mesh: u32,
+        points: Vec<[f64; 3]>,
+        triangles: &'a [[u32; 3]],
     },
 }
 
@@ -110,6 +120,9 @@ fn line(record: &Record<'_>, out: &mut impl Write) -> io::Result<()> {
 #[derive(Serialize)]
 struct Solid<'a> {
     kind: &'static str,
+    /// The number of a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mesh: Option<u32>,
     parameters: &'a [f64],
     world_from_primitive: [[f64; 4]; 3],
     material: Option<&'a str>,
@@ -176,6 +189,7 @@ impl Writer<'_> {
         let name = |id: MaterialId| self.materials.get(id.0 as usize).map(|it| it.name.as_str());
         Solid {
             kind: placed.kind.name(),
+            mesh: if let PrimitiveKind::Mesh { mesh, .. } = placed.kind { Some(mesh.0) } else { None },
             parameters: &placed.parameters,
             world_from_primitive: rows(&placed.world_from_primitive),
             material: placed.material.and_then(name),

@@ -4,8 +4,7 @@ use glam::DAffine3;
 use smallvec::SmallVec;
 
 use crate::fault::{Fault, FaultKind};
-use crate::form::{MaterialId, Origin, PrimitiveKind, TransformKind};
-use crate::geometry::Primitive;
+use crate::form::{Graph, MaterialId, Origin, PrimitiveKind, TransformKind};
 
 /// A piece of a scene. Pieces come in the order written; the operands of a Boolean lie between its `Begin` and its `End`.
 #[derive(Clone, Debug)]
@@ -49,9 +48,9 @@ pub struct Placed {
 
 impl Placed {
     /// Looks at it as the tracers do; `cut` says whether it belongs to a Boolean.
-    pub(super) fn check(&self, origin: Origin, cut: bool) -> Result<(), Fault> {
+    pub(super) fn check(&self, graph: &Graph, origin: Origin, cut: bool) -> Result<(), Fault> {
         let Self { kind, parameters, world_from_primitive: map, .. } = self;
-        let fault = if Primitive::new(*kind, parameters).is_none() {
+        let fault = if graph.primitive(*kind, parameters).is_none() {
             FaultKind::Primitive { kind: *kind, values: parameters.to_vec() }
         } else if cut && !kind.is_solid() {
             FaultKind::Open(*kind)

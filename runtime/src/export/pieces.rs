@@ -222,7 +222,7 @@ impl<'s> Pieces<'s> {
                     self.count(*origin)?;
                     let parameters = self.machine.primitive(*kind, code, &mut here.env)?;
                     let placed = here.place(*kind, parameters);
-                    placed.check(*origin, here.inside)?;
+                    placed.check(self.graph, *origin, here.inside)?;
                     self.primitives += 1;
                     return Ok(Some(Piece::Primitive(placed)));
                 }

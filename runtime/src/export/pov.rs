@@ -30,6 +30,9 @@ const KEPT: usize = 1 << 20;
 pub fn write_pov(scene: &Scene, pieces: &mut Pieces<'_>, out: &mut impl Write) -> Result<(), ExportError> {
     let scale = scene.camera.as_ref().map_or(1.0, scale);
     out.write_all(pov_scene::header(scene, scale).as_bytes())?;
+    for (number, mesh) in scene.graph.meshes().iter().enumerate() {
+        out.write_all(pov_solid::declare(number, mesh).as_bytes())?;
+    }
     let mut writer = Writer {
         materials: &scene.materials,
         pov_from_world: DAffine3::from_scale(DVec3::splat(scale)),

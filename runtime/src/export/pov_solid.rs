@@ -6,6 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::Placed;
 use crate::form::PrimitiveKind;
+use crate::geometry::Triangles;
 
 /// The unit solids that POV-Ray does not have, and nothing at all.
 pub(super) const DECLARATIONS: &str = "\
@@ -123,9 +124,25 @@ fn unit(kind: PrimitiveKind, parameters: &[f64]) -> (String, DVec3) {
             plain(&segment(radius, slope, lean, top, [x, y]))
         }
         (PrimitiveKind::Hull, numbers) => plain(&hull(numbers)),
+        (PrimitiveKind::Mesh { mesh, .. }, _) => plain(&format!("object {{ Mesh_{}", mesh.0)),
         // Only a sphere is left: a piece has the parameters of its kind.
         _ => plain("sphere { 0, 1"),
     }
+}
+
+/// Declares a mesh of a file, once for all places where it stands. What is inside of a closed one is found along an axis.
+pub(super) fn declare(number: usize, mesh: &Triangles) -> String {
+    let mut text = format!("#declare Mesh_{number} = mesh {{\n");
+    for face in 0..mesh.count() as u32 {
+        let ([a, b, c], [u, v, w]) = (mesh.corners(face).map(Triple), mesh.normals(face).map(Triple));
+        let _ = if mesh.is_flat(face) {
+            writeln!(text, "triangle {{ {a}, {b}, {c} }}")
+        } else {
+            writeln!(text, "smooth_triangle {{ {a}, {u}, {b}, {v}, {c}, {w} }}")
+        };
+    }
+    text.push_str(if mesh.gap().is_none() { "inside_vector z\n}\n" } else { "}\n" });
+    text
 }
 
 /// What lies behind planes, of which there may be one only.

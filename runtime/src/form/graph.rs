@@ -1,6 +1,9 @@
 //! The cyclic CSG graph (GT95, section 2.2).
 
+use std::sync::Arc;
+
 use super::{Code, Function, FunctionId, MaterialId, Origin, PrimitiveKind, Shape, ShapeId, Slot};
+use crate::geometry::{Primitive, Triangles};
 
 /// Names a node of a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -26,6 +29,8 @@ pub struct Graph {
     systems: Vec<System>,
     functions: Vec<Function>,
     shapes: Vec<Shape>,
+    /// Each is there once, however many graphs and primitives share it.
+    meshes: Vec<Arc<Triangles>>,
     /// See [`Graph::is_unclipped`].
     unclipped: Box<[bool]>,
     root: SystemId,
@@ -287,10 +292,10 @@ impl Graph {
         functions: Vec<Function>,
         root: SystemId,
     ) -> Result<Self, GraphError> {
-        Self::with_shapes(nodes, selects, systems, functions, Vec::new(), root)
+        Self::with_shapes(nodes, selects, systems, functions, Vec::new(), Vec::new(), root)
     }
 
-    /// The same with shapes, which its [`Node::Shape`]s name.
+    /// The same with shapes, which its [`Node::Shape`]s name, and meshes, which its primitives do.
     ///
     /// # Errors
     /// When the parts do not fit together; see [`GraphError`].
@@ -300,10 +305,11 @@ impl Graph {
         systems: Vec<System>,
         functions: Vec<Function>,
         shapes: Vec<Shape>,
+        meshes: Vec<Arc<Triangles>>,
         root: SystemId,
     ) -> Result<Self, GraphError> {
         let unclipped = Box::default();
-        let mut graph = Self { nodes, selects, systems, functions, shapes, unclipped, root, stops_after: None };
+        let mut graph = Self { nodes, selects, systems, functions, shapes, meshes, unclipped, root, stops_after: None };
         graph.check()?;
         graph.unclipped = graph.find_unclipped();
         Ok(graph)
@@ -317,7 +323,8 @@ impl Graph {
         systems: Vec<System>,
         functions: Vec<Function>,
     ) -> Option<Self> {
-        let graph = Self::with_shapes(nodes, selects, systems, functions, self.shapes.clone(), self.root).ok()?;
+        let (shapes, meshes) = (self.shapes.clone(), self.meshes.clone());
+        let graph = Self::with_shapes(nodes, selects, systems, functions, shapes, meshes, self.root).ok()?;
         Some(Self { stops_after: self.stops_after, ..graph })
     }
 
@@ -360,6 +367,19 @@ impl Graph {
     /// All shapes.
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
+    }
+
+    /// All meshes.
+    pub fn meshes(&self) -> &[Arc<Triangles>] {
+        &self.meshes
+    }
+
+    /// The primitive of a kind with these parameters; `None` when they make none.
+    pub fn primitive(&self, kind: PrimitiveKind, params: &[f64]) -> Option<Primitive> {
+        match kind {
+            PrimitiveKind::Mesh { mesh, .. } => Some(Primitive::of_mesh(mesh, self.meshes.get(mesh.0 as usize)?)),
+            _ => Primitive::new(kind, params),
+        }
     }
 
     /// A node. Ids come from the graph itself, so it is there.

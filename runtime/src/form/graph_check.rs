@@ -1,7 +1,7 @@
 //! The laws of a [`Graph`], checked once when it is made, so that whoever runs it need not.
 
 use super::graph::{Choice, Graph, GraphError, Node, NodeId, SystemId};
-use super::{Code, Op, Origin, Reg};
+use super::{Code, Op, Origin, PrimitiveKind, Reg};
 
 impl Graph {
     /// Looks whether the parts fit together.
@@ -12,6 +12,7 @@ impl Graph {
             self.systems().len(),
             self.functions().len(),
             self.shapes().len(),
+            self.meshes().len(),
         ];
         if tables.iter().any(|it| u32::try_from(*it).is_err()) {
             return Err(GraphError::TooLarge);
@@ -66,11 +67,21 @@ impl Graph {
         Ok(())
     }
 
+    /// A mesh is there, and is closed if its kind says so.
+    fn check_mesh(&self, kind: PrimitiveKind, origin: Origin) -> Result<(), GraphError> {
+        let PrimitiveKind::Mesh { mesh, closed } = kind else { return Ok(()) };
+        let is_right = self.meshes().get(mesh.0 as usize).is_some_and(|it| it.gap().is_none() == closed);
+        if is_right { Ok(()) } else { Err(GraphError::Missing(origin)) }
+    }
+
     fn check_node(&self, id: NodeId, node: &Node) -> Result<(), GraphError> {
         let before = |child: NodeId| if child < id { Ok(()) } else { Err(GraphError::NodeOrder(id)) };
         match node {
             Node::Empty => Ok(()),
-            Node::Primitive { kind, code, origin } => self.check_code(code, Some(kind.params()), 0, *origin),
+            Node::Primitive { kind, code, origin } => {
+                self.check_mesh(*kind, *origin)?;
+                self.check_code(code, Some(kind.params()), 0, *origin)
+            }
             Node::Transform { kind, code, body, origin } => {
                 before(*body)?;
                 self.check_code(code, Some(kind.params()), 0, *origin)

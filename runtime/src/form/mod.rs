@@ -23,7 +23,7 @@ pub use graph::{
     TransformKind,
 };
 pub use origin::Origin;
-pub use primitive::PrimitiveKind;
+pub use primitive::{MeshId, PrimitiveKind};
 pub use raster::{Raster, Texel};
 pub use scene::{Background, Camera, ImageSettings, Lens, Material, MaterialId, Scene, Sky, Sun};
 pub use segments::{Segment, SegmentList, Stem, StemEnd, StemStart};

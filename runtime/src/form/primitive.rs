@@ -1,5 +1,9 @@
 //! The kinds of primitive solid.
 
+/// Names a mesh of a [`Graph`](super::Graph).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MeshId(pub u32);
+
 /// What a primitive node stands for: a unit solid of the papers, in its own frame.
 ///
 /// Its parameters, all numbers, are the results of the node's code.
@@ -36,18 +40,25 @@ pub enum PrimitiveKind {
     Segment,
     /// What lies behind any number of planes at once (FG86). Parameters: n.x, n.y, n.z, d of each plane, inside n·p <= d.
     Hull,
+    /// Triangles of a file. No parameters.
+    Mesh {
+        /// Which of the graph's meshes.
+        mesh: MeshId,
+        /// Whether it is closed, and so a solid.
+        closed: bool,
+    },
 }
 
 impl PrimitiveKind {
     /// Whether it has an inside; only such solids can be cut.
     pub fn is_solid(self) -> bool {
-        !matches!(self, Self::Triangle)
+        !matches!(self, Self::Triangle | Self::Mesh { closed: false, .. })
     }
 
     /// How many parameters it has; for a hull, for each plane.
     pub fn params(self) -> usize {
         match self {
-            Self::Sphere | Self::Cylinder | Self::Box | Self::Tetrahedron | Self::Triangle => 0,
+            Self::Sphere | Self::Cylinder | Self::Box | Self::Tetrahedron | Self::Triangle | Self::Mesh { .. } => 0,
             Self::Torus => 1,
             Self::Cone | Self::Paraboloid => 2,
             Self::Ellipsoid | Self::Hyperboloid => 3,

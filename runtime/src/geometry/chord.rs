@@ -8,7 +8,7 @@ pub struct Crossing {
     /// Where on the line, in lengths of the ray's direction. Infinite where the solid does not end.
     pub t: f64,
     /// Which face of the primitive; see [`Primitive`](super::Primitive) for their numbers.
-    pub face: u16,
+    pub face: u32,
 }
 
 /// A piece of a line inside a primitive.
@@ -20,8 +20,11 @@ pub struct Chord {
     pub far: Crossing,
 }
 
-/// The pieces of a line inside one primitive: sorted, apart from each other. No primitive has more than two.
+/// The pieces of a line inside one primitive: sorted, apart from each other. Only meshes have more than two.
 pub type Chords = SmallVec<[Chord; 2]>;
+
+/// Where a line crosses a surface, in its order. Only meshes are crossed more than once.
+pub type Crossings = SmallVec<[Crossing; 2]>;
 
 impl Chord {
     /// `None` unless something lies between the ends (and so if one of them is not a number).

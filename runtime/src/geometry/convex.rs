@@ -90,12 +90,12 @@ impl Pierced for Convex {
 
 impl Convex {
     /// Whether a ray that starts on a face leaves the solid for good: it goes out of a convex solid, and so never meets it again.
-    pub(crate) fn is_left_by(&self, face: u16, ray: &Ray) -> bool {
+    pub(crate) fn is_left_by(&self, face: u32, ray: &Ray) -> bool {
         self.is_solid() && self.outwards(face, ray.origin).dot(ray.direction) > 0.0
     }
 
     /// A vector along the outward normal of a face, not of length 1.
-    fn outwards(&self, face: u16, point: DVec3) -> DVec3 {
+    fn outwards(&self, face: u32, point: DVec3) -> DVec3 {
         match *self {
             Self::Ball => point,
             Self::Cylinder | Self::Cone { .. } if face == BOTTOM => DVec3::NEG_Z,
@@ -144,7 +144,7 @@ fn none<S: Simd>(lanes: S) -> Mask<S> {
 }
 
 #[inline(always)]
-fn side<S: Simd>(lanes: S, t: Wide<S>, face: u16) -> Side<S> {
+fn side<S: Simd>(lanes: S, t: Wide<S>, face: u32) -> Side<S> {
     Side { t, face: lanes.splat_u64s(u64::from(face) * FACE) }
 }
 
@@ -173,6 +173,13 @@ impl<S: Simd> Mask<S> {
 #[inline(always)]
 fn between<S: Simd>(lanes: S, near: Side<S>, far: Side<S>, met: Mask<S>) -> Pieces<S> {
     Pieces { met: met & near.t.lt(far.t), odd: none(lanes), near, far }
+}
+
+/// The pieces of lines that meet nothing.
+#[inline(always)]
+fn nothing<S: Simd>(lanes: S) -> Pieces<S> {
+    let end = side(lanes, number(lanes, 0.0), 0);
+    Pieces { met: none(lanes), odd: none(lanes), near: end, far: end }
 }
 
 #[inline(always)]
@@ -207,15 +214,20 @@ fn cylinder<S: Simd>(lanes: S, lines: &Lines<S>) -> Pieces<S> {
 
 #[inline(always)]
 fn cone<S: Simd>(lanes: S, lines: &Lines<S>, r0: f64, r1: f64) -> Pieces<S> {
-    let (near, far, met, odd) = nappe(lanes, lines, r0, r1 - r0, 0.5);
+    let Some(Pieces { met, odd, near, far }) = nappe(lanes, lines, r0, r1 - r0, 0.5) else {
+        return nothing(lanes);
+    };
     Pieces { odd, ..between_caps(lanes, lines, near, far, met) }
 }
 
 #[inline(always)]
 fn segment<S: Simd>(lanes: S, lines: &Lines<S>, cone: &CutCone) -> Pieces<S> {
-    let (near, far, met, odd) = nappe(lanes, lines, cone.radius, cone.slope, 0.5 * cone.top);
+    let Some(Pieces { met, odd, near, far }) = nappe(lanes, lines, cone.radius, cone.slope, 0.5 * cone.top) else {
+        return nothing(lanes);
+    };
     let (o, d) = (lines.origin, lines.direction);
-    let [lean, x, y] = [cone.lean, cone.rise.x, cone.rise.y].map(|it| number(lanes, it));
+    // Written out: the closure of a `map` would not be compiled for the SIMD that calls this.
+    let (lean, x, y) = (number(lanes, cone.lean), number(lanes, cone.rise.x), number(lanes, cone.rise.y));
     let above = |v: Wide3<S>| x * v.x + y * v.y - v.z;
     let pieces = Clip { lanes, near, far, met }
         .cut(BOTTOM, o.z - lean * o.x, lean * d.x - d.z)
@@ -225,15 +237,10 @@ fn segment<S: Simd>(lanes: S, lines: &Lines<S>, cone: &CutCone) -> Pieces<S> {
 }
 
 /// Where lines lie inside the nappe with this radius at z = 0 and this slope, about a place at this height: both ends, which lines
-/// do, and which are to be asked about one by one.
+/// do, and which are to be asked about one by one. `None` if none does, as is most often so in what is thinner than its box: the
+/// divisions are saved.
 #[inline(always)]
-fn nappe<S: Simd>(
-    lanes: S,
-    lines: &Lines<S>,
-    radius: f64,
-    slope: f64,
-    height: f64,
-) -> (Side<S>, Side<S>, Mask<S>, Mask<S>) {
+fn nappe<S: Simd>(lanes: S, lines: &Lines<S>, radius: f64, slope: f64, height: f64) -> Option<Pieces<S>> {
     let (o, d) = (lines.origin, lines.direction);
     let (zero, infinity) = (number(lanes, 0.0), number(lanes, f64::INFINITY));
     // About the place nearest the middle, numbers are small.
@@ -249,21 +256,25 @@ fn nappe<S: Simd>(
     let (x, y) = (radius * d.x - speed * p.x, radius * d.y - speed * p.y);
     let turn = p.x * d.y - p.y * d.x;
     let discriminant = x * x + y * y - turn * turn;
+    let apart = discriminant.gt(zero);
+    if (apart | a.le(zero)).is_none() {
+        return None;
+    }
     let root = discriminant.sqrt();
     let sum = -(b + b.lt(zero).select(-root, root));
     let (one_root, other) = (sum / a, c / sum);
     let in_order = one_root.le(other);
-    let apart = discriminant.gt(zero);
-    let vertex = -b / a;
+    let middle = b / a;
+    let vertex = -middle;
     // A steep line that meets no sheet twice goes through the apex.
     let first = apart.select(in_order.select(one_root, other), vertex);
     let second = apart.select(in_order.select(other, one_root), vertex);
     let (shallow, steep) = (a.gt(zero), a.lt(zero));
-    let met = steep | (shallow & apart & (radius - speed * (b / a)).gt(zero));
+    let met = steep | (shallow & apart & (radius - speed * middle).gt(zero));
     let (rising, first, second) = (speed.gt(zero), first + shift, second + shift);
     let near = shallow.select(first, rising.select(second, -infinity));
     let far = shallow.select(second, rising.select(infinity, first));
-    (side(lanes, near, SIDE), side(lanes, far, SIDE), met, a.equals(zero))
+    Some(Pieces { met, odd: a.equals(zero), near: side(lanes, near, SIDE), far: side(lanes, far, SIDE) })
 }
 
 /// What lies between the caps.
@@ -300,7 +311,7 @@ impl<S: Simd> Clip<S> {
 
     /// Cuts off what lies in front of a plane, that the lines are `distance` behind at t = 0 and near by `speed`.
     #[inline(always)]
-    pub(super) fn cut(self, face: u16, distance: Wide<S>, speed: Wide<S>) -> Self {
+    pub(super) fn cut(self, face: u32, distance: Wide<S>, speed: Wide<S>) -> Self {
         let zero = number(self.lanes, 0.0);
         let crossing = side(self.lanes, distance / speed, face);
         let (enters, leaves) = (speed.lt(zero), speed.gt(zero));

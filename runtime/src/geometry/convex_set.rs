@@ -134,7 +134,7 @@ impl ConvexSet {
     }
 
     /// The piece of a line inside.
-    pub(crate) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+    pub(crate) fn chord(&self, ray: &Ray, from: Option<u32>) -> Option<Chord> {
         self.whole().chord(ray, from)
     }
 

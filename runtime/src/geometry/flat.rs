@@ -28,7 +28,7 @@ impl Clip {
     ///
     /// A line along the plane is behind it all the way or never, and never if it starts on it.
     #[inline]
-    pub(super) fn cut(self, face: u16, distance: f64, speed: f64, from: Option<u16>) -> Option<Self> {
+    pub(super) fn cut(self, face: u32, distance: f64, speed: f64, from: Option<u32>) -> Option<Self> {
         let starts_here = from == Some(face);
         if speed == 0.0 {
             return (0.0 <= distance && !starts_here).then_some(self);
@@ -49,7 +49,7 @@ impl Clip {
 
 /// The cube from -1 to 1. Its faces: x = -1, x = 1, y = -1, y = 1, z = -1, z = 1.
 #[inline]
-pub(super) fn cube(ray: &Ray, from: Option<u16>) -> Option<Chord> {
+pub(super) fn cube(ray: &Ray, from: Option<u32>) -> Option<Chord> {
     let (o, d) = (ray.origin, ray.direction);
     Clip::ALL
         .cut(0, 1.0 + o.x, -d.x, from)?
@@ -62,7 +62,7 @@ pub(super) fn cube(ray: &Ray, from: Option<u16>) -> Option<Chord> {
 }
 
 /// The outward normal of a face of the cube.
-pub(super) fn cube_normal(face: u16) -> DVec3 {
+pub(super) fn cube_normal(face: u32) -> DVec3 {
     match face {
         0 => DVec3::NEG_X,
         1 => DVec3::X,
@@ -79,7 +79,7 @@ pub(super) const TETRAHEDRON: [DVec3; 4] =
 
 /// The tetrahedron with those vertices.
 #[inline]
-pub(super) fn tetrahedron(ray: &Ray, from: Option<u16>) -> Option<Chord> {
+pub(super) fn tetrahedron(ray: &Ray, from: Option<u32>) -> Option<Chord> {
     let (o, d) = (ray.origin, ray.direction);
     Clip::ALL
         .cut(0, 1.0 + (o.x + o.y + o.z), -(d.x + d.y + d.z), from)?
@@ -90,9 +90,9 @@ pub(super) fn tetrahedron(ray: &Ray, from: Option<u16>) -> Option<Chord> {
 }
 
 /// The outward normal of a face of the tetrahedron.
-pub(super) fn tetrahedron_normal(face: u16) -> DVec3 {
+pub(super) fn tetrahedron_normal(face: u32) -> DVec3 {
     const THIRD: f64 = 0.577_350_269_189_625_8;
-    let opposite = TETRAHEDRON.get(usize::from(face)).unwrap_or(&TETRAHEDRON[0]);
+    let opposite = TETRAHEDRON.get(face as usize).unwrap_or(&TETRAHEDRON[0]);
     *opposite * -THIRD
 }
 
@@ -113,7 +113,7 @@ impl HalfSpace {
     }
 
     #[inline]
-    pub(super) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+    pub(super) fn chord(&self, ray: &Ray, from: Option<u32>) -> Option<Chord> {
         let distance = self.offset - self.normal.dot(ray.origin);
         Clip::ALL.cut(0, distance, self.normal.dot(ray.direction), from)?.chord()
     }

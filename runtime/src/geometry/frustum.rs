@@ -8,15 +8,15 @@ use super::sheet::{Sheet, cone_discriminant, shifted};
 use super::solve::{Quadratic, around, nearest, sorted, unit};
 
 /// The round face.
-pub(super) const SIDE: u16 = 0;
+pub(super) const SIDE: u32 = 0;
 /// The disk at z = 0.
-pub(super) const BOTTOM: u16 = 1;
+pub(super) const BOTTOM: u32 = 1;
 /// The disk at z = 1.
-pub(super) const TOP: u16 = 2;
+pub(super) const TOP: u32 = 2;
 
 /// The cylinder of radius 1.
 #[inline]
-pub(super) fn cylinder(ray: &Ray, from: Option<u16>) -> Option<Chord> {
+pub(super) fn cylinder(ray: &Ray, from: Option<u32>) -> Option<Chord> {
     let side = tube(ray.origin.truncate(), ray.direction.truncate(), from == Some(SIDE))?;
     between_caps(ray, side, from)
 }
@@ -40,7 +40,7 @@ fn tube(origin: DVec2, direction: DVec2, on_surface: bool) -> Option<Span> {
 
 /// The cone with radius `r0` at z = 0 and `r1` at z = 1.
 #[inline]
-pub(super) fn cone(r0: f64, r1: f64, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+pub(super) fn cone(r0: f64, r1: f64, ray: &Ray, from: Option<u32>) -> Option<Chord> {
     let on_surface = from == Some(SIDE);
     let d = ray.direction;
     let shift = if on_surface { 0.0 } else { nearest(ray.origin, d, DVec3::new(0.0, 0.0, 0.5)) };
@@ -59,7 +59,7 @@ pub(super) fn cone(r0: f64, r1: f64, ray: &Ray, from: Option<u16>) -> Option<Cho
 
 /// What of the span inside the round face lies between the caps.
 #[inline]
-fn between_caps(ray: &Ray, side: Span, from: Option<u16>) -> Option<Chord> {
+fn between_caps(ray: &Ray, side: Span, from: Option<u32>) -> Option<Chord> {
     let (near, far) = (Crossing { t: side.0, face: SIDE }, Crossing { t: side.1, face: SIDE });
     let (z, speed) = (ray.origin.z, ray.direction.z);
     let (on_bottom, on_top) = (from == Some(BOTTOM), from == Some(TOP));
@@ -75,7 +75,7 @@ fn between_caps(ray: &Ray, side: Span, from: Option<u16>) -> Option<Chord> {
 }
 
 /// The outward normal of the cone (of the cylinder if both radii are the same).
-pub(super) fn normal(r0: f64, r1: f64, point: DVec3, face: u16) -> DVec3 {
+pub(super) fn normal(r0: f64, r1: f64, point: DVec3, face: u32) -> DVec3 {
     match face {
         BOTTOM => DVec3::NEG_Z,
         TOP => DVec3::Z,

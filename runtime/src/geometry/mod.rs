@@ -24,9 +24,10 @@ mod sheet;
 mod shown;
 mod solve;
 mod torus;
+mod triangles;
 
 pub use aabb::Aabb;
-pub use chord::{Chord, Chords, Crossing};
+pub use chord::{Chord, Chords, Crossing, Crossings};
 pub(crate) use convex::{Convex, FACE, Lines, Pieces, Pierced, Side};
 pub use convex_set::{ConvexSet, MOST_PLANES, Plane};
 pub(crate) use eigen::eigen;
@@ -39,3 +40,4 @@ pub use relief::{Hide, Relief};
 pub use rind::Rind;
 pub use segment::Wrap;
 pub(crate) use shown::Shown;
+pub use triangles::{Face, Gap, Pieces as MeshPieces, Triangles};

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::aabb::Aabb;
 use super::ball;
-use super::chord::{Chord, Chords, Crossing};
+use super::chord::{Chord, Chords, Crossing, Crossings};
 use super::convex::Convex;
 use super::convex_set::ConvexSet;
 use super::flat::{self, HalfSpace};
@@ -18,23 +18,24 @@ use super::segment::{CutCone, Wrap};
 use super::sheet;
 use super::solve::{power_of_two_below, unit};
 use super::torus;
-use crate::form::PrimitiveKind;
+use super::triangles::Triangles;
+use crate::form::{MeshId, PrimitiveKind};
 
 /// One of the unit solids (or surfaces) that scenes are made of, in its own frame.
 ///
 /// **Faces** are numbered: those of a cylinder, a cone or a segment 0 round, 1 below, 2 above; those of a box x = -1, x = 1, y = -1,
 /// y = 1, z = -1, z = 1; the face of a tetrahedron lies opposite the vertex of its number in the list of [`PrimitiveKind`]; those
-/// of a hull have the numbers of its [`ConvexSet::planes`]. All others have face 0 alone.
+/// of a hull have the numbers of its [`ConvexSet::planes`], those of a mesh the numbers of its triangles. All others have face 0 alone.
 ///
 /// **Lines that run in a face** are inside all the way or never: a line that starts on the face never, any other if the solid's
 /// inequality holds there. A line that only touches a round face does not meet it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Primitive {
     shape: Shape,
 }
 
 /// A kind with its parameters, checked.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Shape {
     Sphere,
     Cylinder,
@@ -50,6 +51,7 @@ enum Shape {
     Quadric(Quadric),
     Segment(CutCone),
     Hull(Arc<ConvexSet>),
+    Mesh(MeshId, Arc<Triangles>),
 }
 
 impl Primitive {
@@ -85,6 +87,11 @@ impl Primitive {
             _ => return None,
         };
         Some(Self { shape })
+    }
+
+    /// The primitive that a mesh is.
+    pub fn of_mesh(id: MeshId, mesh: &Arc<Triangles>) -> Self {
+        Self { shape: Shape::Mesh(id, Arc::clone(mesh)) }
     }
 
     /// Texture coordinates of a point on the surface: once round the axis, from 0 to below 1, and along it. Only segments have them.
@@ -129,7 +136,12 @@ impl Primitive {
         Self { shape: Shape::Hull(Arc::new(Arc::unwrap_or_clone(set).with_levels(family, tolerance))) }
     }
 
-    /// About how many bytes it takes besides itself.
+    /// The triangles of a mesh; `None` for all other primitives.
+    pub fn mesh(&self) -> Option<&Triangles> {
+        if let Shape::Mesh(_, mesh) = &self.shape { Some(mesh) } else { None }
+    }
+
+    /// About how many bytes it takes besides itself, without what it shares with all of its kind.
     pub(crate) fn bytes_apart(&self) -> usize {
         self.hull().map_or(0, ConvexSet::bytes)
     }
@@ -167,7 +179,8 @@ impl Primitive {
             | Shape::Paraboloid { .. }
             | Shape::Torus { .. }
             | Shape::Quadric(_)
-            | Shape::Hull(_) => {
+            | Shape::Hull(_)
+            | Shape::Mesh(..) => {
                 return None;
             }
         };
@@ -176,7 +189,7 @@ impl Primitive {
 
     /// Its kind.
     pub fn kind(&self) -> PrimitiveKind {
-        match self.shape {
+        match &self.shape {
             Shape::Sphere => PrimitiveKind::Sphere,
             Shape::Cylinder => PrimitiveKind::Cylinder,
             Shape::Cone { .. } => PrimitiveKind::Cone,
@@ -191,6 +204,7 @@ impl Primitive {
             Shape::Quadric(_) => PrimitiveKind::Quadric,
             Shape::Segment(_) => PrimitiveKind::Segment,
             Shape::Hull(_) => PrimitiveKind::Hull,
+            Shape::Mesh(mesh, triangles) => PrimitiveKind::Mesh { mesh: *mesh, closed: triangles.gap().is_none() },
         }
     }
 
@@ -203,6 +217,7 @@ impl Primitive {
     pub fn bounds(&self) -> Aabb {
         let supports = match &self.shape {
             Shape::Quadric(quadric) => quadric.axis_supports(),
+            Shape::Mesh(_, mesh) => return mesh.bounds(),
             _ => [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z].map(|it| self.support(it)),
         };
         let [x, y, z, low_x, low_y, low_z] = supports;
@@ -227,6 +242,7 @@ impl Primitive {
             Shape::Quadric(quadric) => quadric.support(direction),
             Shape::Segment(cone) => cone.support(direction),
             Shape::Hull(set) => set.support(direction),
+            Shape::Mesh(_, mesh) => mesh.support(direction),
         }
     }
 
@@ -235,13 +251,14 @@ impl Primitive {
     /// With `from`, the ray starts on that face: of the face's crossings the one nearest 0 is exactly at 0, and the other is
     /// found as if the start were exactly on it. So a ray that leaves a convex solid never meets it again.
     #[inline]
-    pub fn chords(&self, ray: &Ray, from: Option<u16>) -> Chords {
+    pub fn chords(&self, ray: &Ray, from: Option<u32>) -> Chords {
         if !is_in_range(ray) {
             return self.rescaled_chords(ray, from);
         }
         match &self.shape {
             Shape::Torus { r } => torus::chords(*r, ray, from.is_some()),
             Shape::Quadric(quadric) => quadric.chords(ray.origin, ray.direction, from.is_some()),
+            Shape::Mesh(_, mesh) if mesh.gap().is_none() => mesh.chords(ray, from),
             _ => {
                 let mut chords = Chords::new();
                 if let Some(chord) = self.convex_chord(ray, from) {
@@ -254,7 +271,7 @@ impl Primitive {
 
     /// The one chord of a convex solid.
     #[inline]
-    fn convex_chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+    fn convex_chord(&self, ray: &Ray, from: Option<u32>) -> Option<Chord> {
         let (origin, direction) = (ray.origin, ray.direction);
         match &self.shape {
             Shape::Sphere => Chord::of_span(ball::span(origin, direction, from.is_some())?),
@@ -272,40 +289,49 @@ impl Primitive {
             }
             Shape::Segment(cone) => cone.chord(ray, from),
             Shape::Hull(set) => set.chord(ray, from),
-            Shape::Triangle | Shape::Torus { .. } | Shape::Quadric(_) => None,
+            Shape::Triangle | Shape::Torus { .. } | Shape::Quadric(_) | Shape::Mesh(..) => None,
         }
     }
 
     /// The chords for a direction so long or so short that its square is out of range: the same line in other units.
     #[cold]
-    fn rescaled_chords(&self, ray: &Ray, from: Option<u16>) -> Chords {
-        let Some(scale) = power_of_two_below(ray.direction.abs().max_element()) else {
+    fn rescaled_chords(&self, ray: &Ray, from: Option<u32>) -> Chords {
+        let Some((ray, scale)) = rescaled(ray) else {
             return Chords::new();
         };
-        let direction = ray.direction / scale;
-        let ray = Ray { origin: ray.origin, direction };
-        if !is_in_range(&ray) {
-            return Chords::new();
-        }
         let end = |it: Crossing| Crossing { t: it.t / scale, face: it.face };
         let chords = self.chords(&ray, from);
         chords.iter().filter_map(|it| Chord::new(end(it.near), end(it.far))).collect()
     }
 
-    /// Where the line meets a surface without an inside, perhaps at a negative t; `None` for a solid.
+    /// Where the line meets a surface without an inside, perhaps at a negative t, in the order of the line; nowhere for a solid.
     ///
-    /// A ray that starts on the surface (`from`) does not meet it.
+    /// A ray that starts on the surface (`from`) does not meet it there.
     #[inline]
-    pub fn crossing(&self, ray: &Ray, from: Option<u16>) -> Option<Crossing> {
-        match self.shape {
-            Shape::Triangle if from.is_none() => flat::triangle(ray),
-            _ => None,
+    pub fn crossings(&self, ray: &Ray, from: Option<u32>) -> Crossings {
+        match &self.shape {
+            Shape::Triangle if from.is_none() => flat::triangle(ray).into_iter().collect(),
+            Shape::Mesh(_, mesh) if mesh.gap().is_some() => self.mesh_crossings(mesh, ray, from),
+            _ => Crossings::new(),
+        }
+    }
+
+    fn mesh_crossings(&self, mesh: &Triangles, ray: &Ray, from: Option<u32>) -> Crossings {
+        if is_in_range(ray) {
+            return mesh.crossings(ray, from);
+        }
+        match rescaled(ray) {
+            Some((ray, scale)) => {
+                self.crossings(&ray, from).iter().map(|it| Crossing { t: it.t / scale, ..*it }).collect()
+            }
+            None => Crossings::new(),
         }
     }
 
     /// Whether the normal of a face is the same all over it.
-    pub(crate) fn is_flat(&self, face: u16) -> bool {
-        match self.shape {
+    pub(crate) fn is_flat(&self, face: u32) -> bool {
+        match &self.shape {
+            Shape::Mesh(_, mesh) => mesh.is_flat(face),
             Shape::Box | Shape::Tetrahedron | Shape::Triangle | Shape::HalfSpace(_) | Shape::Hull(_) => true,
             Shape::Cylinder | Shape::Cone { .. } | Shape::Segment(_) => face != frustum::SIDE,
             Shape::Sphere
@@ -320,7 +346,7 @@ impl Primitive {
     /// The normal of a face at a point of it: outwards, of length 1. A triangle's is up.
     ///
     /// Where there is none, as at a cone's apex, it is a direction that leads out.
-    pub fn normal(&self, point: DVec3, face: u16) -> DVec3 {
+    pub fn normal(&self, point: DVec3, face: u32) -> DVec3 {
         match &self.shape {
             Shape::Sphere => unit(point),
             Shape::Cylinder => frustum::normal(1.0, 1.0, point, face),
@@ -336,6 +362,7 @@ impl Primitive {
             Shape::Quadric(quadric) => quadric.normal(point),
             Shape::Segment(cone) => cone.normal(point, face),
             Shape::Hull(set) => set.whole().normal(face),
+            Shape::Mesh(_, mesh) => mesh.normal(point, face),
         }
     }
 }
@@ -354,6 +381,13 @@ fn is_in_range(ray: &Ray) -> bool {
     ray.origin.abs().cmple(DVec3::splat(GREATEST_ORIGIN)).all()
         && direction.cmple(DVec3::splat(GREATEST_DIRECTION)).all()
         && direction.max_element() >= LEAST_DIRECTION
+}
+
+/// A line in other units, so that squares of its numbers can be computed with, and how many of its own are one of those.
+fn rescaled(ray: &Ray) -> Option<(Ray, f64)> {
+    let scale = power_of_two_below(ray.direction.abs().max_element())?;
+    let ray = Ray { origin: ray.origin, direction: ray.direction / scale };
+    is_in_range(&ray).then_some((ray, scale))
 }
 
 /// Half axes: positive, and so that one can divide by them.

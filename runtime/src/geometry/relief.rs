@@ -73,7 +73,7 @@ impl<'r> Relief<'r> {
 
     /// The pieces of the whole line inside it; see [`Primitive::chords`]. What lies before the start of a line that starts on the
     /// round face is left out.
-    pub fn chords(&self, ray: &Ray, from: Option<u16>) -> Chords {
+    pub fn chords(&self, ray: &Ray, from: Option<u32>) -> Chords {
         let mut chords = Chords::new();
         let Some(course) = self.course(ray, from) else { return chords };
         let mut begun = None;
@@ -92,7 +92,7 @@ impl<'r> Relief<'r> {
     }
 
     /// Where a line first comes in that starts outside of the outer frustum, wherever that is on it, or on the surface at t = 0.
-    pub fn entry(&self, ray: &Ray, from: Option<u16>) -> Option<Crossing> {
+    pub fn entry(&self, ray: &Ray, from: Option<u32>) -> Option<Crossing> {
         // One that leaves a cap has been inside before its start.
         let course = self.course(ray, from).filter(|it| from.is_none() || it.whole.far.t > 0.0)?;
         let mut entry = None;
@@ -104,7 +104,7 @@ impl<'r> Relief<'r> {
     }
 
     /// Where a line goes in and out of both frusta.
-    fn course<'c>(&'c self, ray: &'c Ray, from: Option<u16>) -> Option<Course<'c, 'r>> {
+    fn course<'c>(&'c self, ray: &'c Ray, from: Option<u32>) -> Option<Course<'c, 'r>> {
         let on_surface = from == Some(SIDE);
         let from = from.filter(|it| *it != SIDE);
         let cone = self.rind.cone;
@@ -157,7 +157,7 @@ struct Course<'c, 'r> {
 impl Course<'_, '_> {
     /// Tells of each place where the line comes in or goes out, in order, as long as `each` wants to know: where, by which face, and
     /// whether it is inside from there on.
-    fn walk(&self, mut each: impl FnMut(f64, u16, bool) -> bool) {
+    fn walk(&self, mut each: impl FnMut(f64, u32, bool) -> bool) {
         let Chord { near, far } = self.whole;
         let mut inside = self.begins_inside();
         if inside && !each(near.t, near.face, true) {
@@ -194,7 +194,7 @@ impl Course<'_, '_> {
     }
 
     /// The places between two others; false once no more are wanted.
-    fn between(&self, from: f64, to: f64, inside: &mut bool, each: &mut impl FnMut(f64, u16, bool) -> bool) -> bool {
+    fn between(&self, from: f64, to: f64, inside: &mut bool, each: &mut impl FnMut(f64, u32, bool) -> bool) -> bool {
         let count = self.relief.steps(self.ray.at(from), self.ray.at(to));
         let step = (to - from) / f64::from(count);
         let mut before = (from, if *inside { -f64::MIN_POSITIVE } else { f64::MIN_POSITIVE });

@@ -116,7 +116,7 @@ impl CutCone {
 
     /// The part of a line inside.
     #[inline]
-    pub(super) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+    pub(super) fn chord(&self, ray: &Ray, from: Option<u32>) -> Option<Chord> {
         let on_surface = from == Some(SIDE);
         let (o, d) = (ray.origin, ray.direction);
         let shift = if on_surface { 0.0 } else { nearest(o, d, DVec3::new(0.0, 0.0, 0.5 * self.top)) };
@@ -143,7 +143,7 @@ impl CutCone {
     }
 
     /// The outward normal of a face at a point of it, of any length.
-    pub(super) fn outwards(&self, point: DVec3, face: u16) -> DVec3 {
+    pub(super) fn outwards(&self, point: DVec3, face: u32) -> DVec3 {
         match face {
             BOTTOM => DVec3::new(self.lean, 0.0, -1.0),
             TOP => (-self.rise).extend(1.0),
@@ -152,7 +152,7 @@ impl CutCone {
     }
 
     /// The outward normal of a face at a point of it.
-    pub(super) fn normal(&self, point: DVec3, face: u16) -> DVec3 {
+    pub(super) fn normal(&self, point: DVec3, face: u32) -> DVec3 {
         if face == SIDE { side_normal(self.slope, point) } else { unit(self.outwards(point, face)) }
     }
 

@@ -36,11 +36,11 @@ impl Shown<'_> {
     }
 
     /// The piece of a line inside.
-    pub(crate) fn chord(&self, ray: &Ray, from: Option<u16>) -> Option<Chord> {
+    pub(crate) fn chord(&self, ray: &Ray, from: Option<u32>) -> Option<Chord> {
         let mut clip = Clip::ALL;
         for (number, plane) in self.all().enumerate() {
             let distance = plane.offset - plane.normal.dot(ray.origin);
-            clip = clip.cut(number as u16, distance, plane.normal.dot(ray.direction), from)?;
+            clip = clip.cut(number as u32, distance, plane.normal.dot(ray.direction), from)?;
         }
         clip.chord()
     }
@@ -55,12 +55,12 @@ impl Shown<'_> {
     }
 
     /// The outward normal of a face.
-    pub(crate) fn normal(&self, face: u16) -> DVec3 {
-        self.plane(usize::from(face)).map_or(DVec3::Z, |it| it.normal)
+    pub(crate) fn normal(&self, face: u32) -> DVec3 {
+        self.plane(face as usize).map_or(DVec3::Z, |it| it.normal)
     }
 
     /// The face by which a line comes in or goes out at t; the one nearest to the point there, if it misses the set by a hair.
-    pub(crate) fn face_at(&self, line: &Ray, t: f64) -> u16 {
+    pub(crate) fn face_at(&self, line: &Ray, t: f64) -> u32 {
         if let Some(chord) = self.chord(line, None) {
             return if (chord.near.t - t).abs() <= (chord.far.t - t).abs() { chord.near.face } else { chord.far.face };
         }
@@ -73,10 +73,10 @@ impl Shown<'_> {
     }
 
     /// The face that a point is nearest to, or furthest in front of.
-    pub(crate) fn nearest_face(&self, point: DVec3) -> u16 {
+    pub(crate) fn nearest_face(&self, point: DVec3) -> u32 {
         let above = |it: &Plane| it.normal.dot(point) - it.offset;
         let highest = self.all().enumerate().max_by(|a, b| above(&a.1).total_cmp(&above(&b.1)));
-        highest.map_or(0, |it| it.0 as u16)
+        highest.map_or(0, |it| it.0 as u32)
     }
 }
 

@@ -89,6 +89,12 @@ impl<S: Simd> Mask<S> {
         Self { lanes, value }
     }
 
+    /// Whether no lane is set.
+    #[inline(always)]
+    pub(crate) fn is_none(self) -> bool {
+        self.lanes.first_true_m64s(self.value) >= S::F64_LANES
+    }
+
     /// `yes` in the lanes that are set, `no` in the others.
     #[inline(always)]
     pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {

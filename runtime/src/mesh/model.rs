@@ -48,6 +48,10 @@ impl Maker for Mesher {
         self.budget.spend(super::stem::add(parts, self.stems, &mut component.painted), origin)
     }
 
+    fn shares_meshes(&self) -> bool {
+        true
+    }
+
     fn leaf(&mut self, component: &mut Component, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
         let Solid::Leaf { primitive, origin, .. } = &item.solid else { return Ok(None) };
         let Some(surface) = solid::mesh(primitive) else { return Ok(Some(primitive.kind())) };

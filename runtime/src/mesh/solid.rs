@@ -3,13 +3,14 @@
 //! Round ones are surfaces of revolution: a profile, turned about z. Their vertices lie on the primitive, so the mesh of a
 //! convex one lies inside it.
 
+use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
 use super::surface::Surface;
 use crate::form::PrimitiveKind;
-use crate::geometry::{ConvexSet, Primitive, Ray};
+use crate::geometry::{ConvexSet, Primitive, Ray, Triangles};
 
 /// How many flat pieces go round a primitive.
 const SLICES: u32 = 16;
@@ -33,6 +34,7 @@ pub(super) fn mesh(primitive: &Primitive) -> Option<Surface> {
         PrimitiveKind::Quadric => quadric(primitive, &mut surface)?,
         PrimitiveKind::Segment => super::stem::single(primitive, &mut surface),
         PrimitiveKind::Hull => hull(primitive.hull()?, &mut surface)?,
+        PrimitiveKind::Mesh { .. } => triangles(primitive.mesh()?, &mut surface),
         PrimitiveKind::HalfSpace | PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => return None,
     }
     Some(surface)
@@ -174,6 +176,21 @@ fn hull(set: &ConvexSet, surface: &mut Surface) -> Option<()> {
         fan(&corners, plane.normal, false, surface);
     }
     Some(())
+}
+
+/// The triangles of a mesh. Corners that are alike are one vertex.
+fn triangles(mesh: &Triangles, surface: &mut Surface) {
+    let mut known: HashMap<[u64; 6], u32> = HashMap::new();
+    for face in 0..mesh.count() as u32 {
+        let (points, normals) = (mesh.corners(face), mesh.normals(face));
+        let corners: [(DVec3, DVec3); 3] = std::array::from_fn(|it| (points[it], normals[it]));
+        let numbers = corners.map(|(position, normal)| {
+            let normal = normal.normalize_or(DVec3::Z);
+            let key = [position.x, position.y, position.z, normal.x, normal.y, normal.z].map(f64::to_bits);
+            *known.entry(key).or_insert_with(|| surface.vertex(position, normal, DVec2::ZERO))
+        });
+        surface.triangle(numbers);
+    }
 }
 
 /// A flat triangle.

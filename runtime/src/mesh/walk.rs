@@ -5,13 +5,16 @@
 
 use std::collections::{HashMap, HashSet};
 
+use glam::DAffine3;
+
 use super::component::{LeftOut, WhatLeftOut};
 use crate::export::Boolean;
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Origin, PrimitiveKind, Scene};
+use crate::form::{MeshId, Origin, PrimitiveKind, Scene};
+use crate::geometry::Primitive;
 use crate::limits::Limits;
 use crate::picture::Watch;
-use crate::trace::{Entry, Expander, Group, Item, Solid, State, WholeStem};
+use crate::trace::{Entry, Expander, Group, Item, Route, Solid, State, WholeStem};
 
 /// Someone who makes components of states.
 pub(crate) trait Maker {
@@ -26,6 +29,9 @@ pub(crate) trait Maker {
 
     /// Takes a stem.
     fn stem(&mut self, component: &mut Self::Component, stem: &WholeStem<'_>) -> Result<(), Fault>;
+
+    /// Whether each mesh of a file is wanted as a component of its own, to be laid down wherever it stands.
+    fn shares_meshes(&self) -> bool;
 
     /// Takes a primitive; gives its kind if it cannot be in a component.
     fn leaf(&mut self, component: &mut Self::Component, item: &Item) -> Result<Option<PrimitiveKind>, Fault>;
@@ -56,6 +62,7 @@ pub(crate) fn walk<M: Maker>(
         limits,
         watch,
         known: HashMap::new(),
+        meshes: HashMap::new(),
         done: 0,
         told_of: HashSet::new(),
         open: Vec::new(),
@@ -93,6 +100,8 @@ struct Walk<'w, 's, M: Maker> {
     limits: &'w Limits,
     watch: &'w dyn Watch,
     known: HashMap<State, Known>,
+    /// The components that meshes of files are.
+    meshes: HashMap<MeshId, usize>,
     /// How many components are whole.
     done: usize,
     /// What was left out already.
@@ -158,6 +167,10 @@ impl<M: Maker> Walk<'_, '_, M> {
         for item in group.items {
             self.watch_over()?;
             match &item.solid {
+                Solid::Leaf { primitive, .. } if self.maker.shares_meshes() && primitive.mesh().is_some() => {
+                    let inner = self.mesh(primitive, &item)?;
+                    self.maker.lay(&mut component, inner, &item);
+                }
                 Solid::Leaf { origin, .. } => {
                     if let Some(kind) = self.maker.leaf(&mut component, &item)? {
                         self.leave_out(WhatLeftOut::Primitive(kind), *origin);
@@ -176,6 +189,28 @@ impl<M: Maker> Walk<'_, '_, M> {
         }
         ahead.reverse();
         Ok((ahead, component))
+    }
+
+    /// The component that a mesh of a file is: made when it is first met.
+    fn mesh(&mut self, primitive: &Primitive, item: &Item) -> Result<usize, Fault> {
+        let PrimitiveKind::Mesh { mesh, .. } = primitive.kind() else { return Ok(0) };
+        if let Some(number) = self.meshes.get(&mesh) {
+            return Ok(*number);
+        }
+        let mut component = self.maker.component("mesh".to_owned(), false);
+        let alone = Item {
+            group_from_item: DAffine3::IDENTITY,
+            material: None,
+            group_from_paint: None,
+            route: Route::START,
+            solid: item.solid.clone(),
+        };
+        self.maker.leaf(&mut component, &alone)?;
+        self.maker.done(component)?;
+        let number = self.done;
+        self.done += 1;
+        self.meshes.insert(mesh, number);
+        Ok(number)
     }
 
     /// Ends with the state that was begun last: its component is made.

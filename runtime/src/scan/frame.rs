@@ -324,10 +324,10 @@ impl Shape {
         let (own, own_from_world, is_solid) = match self {
             Self::Primitive(primitive, own_from_world) => {
                 let point = own_from_world.transform_point3(position);
-                (primitive.normal(point, face as u16), own_from_world, primitive.is_solid())
+                (primitive.normal(point, face), own_from_world, primitive.is_solid())
             }
             Self::Hull { own_from_world, rough, .. } => {
-                let own = self.shown().map_or(DVec3::Z, |it| it.normal(face as u16));
+                let own = self.shown().map_or(DVec3::Z, |it| it.normal(face));
                 let rough = rough.as_ref();
                 let own = rough.map_or(own, |it| it.normal(own, own_from_world.transform_point3(position)));
                 (own, own_from_world, true)

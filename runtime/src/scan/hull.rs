@@ -229,7 +229,7 @@ impl Drawer<'_> {
         if let Some(rough) = hull.rough {
             let chord = hull.shown.chord(&ray, None).and_then(|it| rough.left(&hull.shown, &ray, it));
             let met = chord.and_then(|it| meeting.of_chord(&it));
-            return met.is_some_and(|it| grid.put(column, row, it.t, *piece, u32::from(it.face)));
+            return met.is_some_and(|it| grid.put(column, row, it.t, *piece, it.face));
         }
         let met = |number: u32| Some((hull.shown.plane(number as usize)?.met(&ray), number));
         let [near, far] = planes.map(|it| it.and_then(met));

@@ -154,6 +154,11 @@ impl Maker for Modeller {
         Ok(())
     }
 
+    fn shares_meshes(&self) -> bool {
+        // They are drawn as what they are.
+        false
+    }
+
     fn leaf(&mut self, component: &mut Making, item: &Item) -> Result<Option<PrimitiveKind>, Fault> {
         let Solid::Leaf { primitive, origin, bark } = &item.solid else { return Ok(None) };
         self.spend(component, 1, *origin)?;

@@ -66,7 +66,7 @@ impl Alone<'_> {
             Some(relief) => self.meeting.with_relief(relief, self.primitive, &ray, grid.depth(column, row)),
             None => self.meeting.with(self.primitive, &ray),
         };
-        met.is_some_and(|it| grid.put(column, row, it.t, piece, u32::from(it.face)))
+        met.is_some_and(|it| grid.put(column, row, it.t, piece, it.face))
     }
 }
 
@@ -142,8 +142,11 @@ fn lines<K: Kernel>(kernel: K, fan: &Fan, grid: &Grid<'_>, first: usize, row: us
 impl Meeting {
     /// Where a ray meets a primitive.
     fn with(self, primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
+        if let Some(mesh) = primitive.mesh().filter(|it| it.gap().is_some() || self == Self::First) {
+            return mesh.first(ray, (0.0, f64::INFINITY));
+        }
         if !primitive.is_solid() {
-            return primitive.crossing(ray, None);
+            return primitive.crossings(ray, None).into_iter().next();
         }
         let chords = primitive.chords(ray, None);
         match self {

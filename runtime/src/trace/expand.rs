@@ -165,7 +165,7 @@ impl<'s> Expander<'s> {
             on_stems: materials.map(|it| scene.is_painted_on_stems(MaterialId(it))).collect(),
             hides: scene.hides(),
             liveness: Liveness::of(graph),
-            fixed: graph.nodes().iter().map(fixed).collect(),
+            fixed: graph.nodes().iter().map(|it| fixed(graph, it)).collect(),
         }
     }
 
@@ -345,14 +345,14 @@ impl<'s> Expander<'s> {
     }
 }
 
-fn fixed(node: &Node) -> Fixed {
+fn fixed(graph: &Graph, node: &Node) -> Fixed {
     match node {
         Node::Transform { kind, code, .. } => {
             let map = constants(code).and_then(|it| matrix(*kind, &it));
             map.filter(|it| it.is_finite() && it.inverse().is_finite()).map_or(Fixed::No, Fixed::Matrix)
         }
         Node::Primitive { kind, code, .. } => {
-            constants(code).and_then(|it| Primitive::new(*kind, &it)).map_or(Fixed::No, Fixed::Primitive)
+            constants(code).and_then(|it| graph.primitive(*kind, &it)).map_or(Fixed::No, Fixed::Primitive)
         }
         _ => Fixed::No,
     }

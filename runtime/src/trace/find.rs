@@ -24,6 +24,19 @@ pub struct Derivable {
 /// # Errors
 /// What fails in expanding the scene on the way there.
 pub fn find_shape(scene: &Scene, limits: &Limits, name: Option<&str>) -> Result<Option<Derivable>, Fault> {
+    Ok(find(scene, limits, name, 1)?.pop())
+}
+
+/// All shapes that a scene shows, in the order written, each with the values that it has there: those that shapes place are not looked for.
+///
+/// # Errors
+/// What fails in expanding the scene.
+pub fn find_shapes(scene: &Scene, limits: &Limits) -> Result<Vec<Derivable>, Fault> {
+    find(scene, limits, None, usize::MAX)
+}
+
+fn find(scene: &Scene, limits: &Limits, name: Option<&str>, most: usize) -> Result<Vec<Derivable>, Fault> {
+    let mut found = Vec::new();
     let expander = Expander::new(scene, limits);
     let mut seen: HashSet<State> = HashSet::new();
     // The next one last.
@@ -42,7 +55,11 @@ pub fn find_shape(scene: &Scene, limits: &Limits, name: Option<&str>) -> Result<
                 && name.is_none_or(|it| it == system.name)
             {
                 let env = expander.env(&state);
-                return Ok(Some(Derivable { shape: *shape, state, env }));
+                found.push(Derivable { shape: *shape, state, env });
+                if found.len() == most {
+                    break;
+                }
+                continue;
             }
         }
         let group = expander.expand(&state)?;
@@ -50,7 +67,7 @@ pub fn find_shape(scene: &Scene, limits: &Limits, name: Option<&str>) -> Result<
         states_in(&group, &mut ahead);
         ahead[before..].reverse();
     }
-    Ok(None)
+    Ok(found)
 }
 
 /// Adds the states in a group, those inside Booleans too, in the order written.

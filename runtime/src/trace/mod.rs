@@ -15,7 +15,7 @@ mod walk;
 
 pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
 pub(crate) use expand::{WholeStem, constants};
-pub use find::{Derivable, find_shape};
+pub use find::{Derivable, find_shape, find_shapes};
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
 
@@ -192,13 +192,13 @@ pub struct Site {
     /// The parts on the way.
     pub path: SmallVec<[u32; 12]>,
     /// The face of the primitive, or [`Site::THROUGH`].
-    pub face: u16,
+    pub face: u32,
 }
 
 impl Site {
     /// Instead of a face: a ray that starts here goes through the whole solid, as light does through a leaf. It meets neither the
     /// primitive nor the stem or the Boolean that this is a part of.
-    pub const THROUGH: u16 = u16::MAX;
+    pub const THROUGH: u32 = u32::MAX;
 
     /// The same place for a ray that goes through the solid.
     #[must_use]

@@ -17,7 +17,7 @@ use super::{Bark, Beam, Fragment, RayFault, Route, Seen, Site, SurfaceBeam, Trac
 use crate::derive::Placed;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, Select, Stem};
+use crate::form::{Graph, MaterialId, Node, NodeId, Origin, Scene, Select, Stem};
 use crate::geometry::{Aabb, Hide, Intervals, Joints, Part, Primitive, Ray, Rind};
 use crate::limits::Limits;
 use crate::texture::Roughs;
@@ -257,7 +257,7 @@ impl Walk<'_, '_> {
                 Node::Empty => return Ok(Line::empty()),
                 Node::Primitive { kind, code, origin } => {
                     let values = self.machine.primitive(*kind, code, &mut here.env)?;
-                    return match Primitive::new(*kind, &values) {
+                    return match graph.primitive(*kind, &values) {
                         Some(primitive) => self.primitive(&primitive, None, *origin, &here),
                         None => {
                             let kind = FaultKind::Primitive { kind: *kind, values: values.to_vec() };
@@ -388,7 +388,8 @@ impl Walk<'_, '_> {
         match line.crossings.first() {
             None => Ok(line.inside),
             Some((_, surface)) => {
-                Err(Fault::new(FaultKind::Open(PrimitiveKind::Triangle), self.surfaces[*surface as usize].origin))
+                let surface = &self.surfaces[*surface as usize];
+                Err(Fault::new(FaultKind::Open(surface.primitive.kind()), surface.origin))
             }
         }
     }
@@ -429,7 +430,8 @@ impl Walk<'_, '_> {
                 chords = chords.into_iter().filter_map(|it| rough.left(&set.whole(), &here.ray, it)).collect();
             }
             line.inside = Intervals::of_chords(&chords, |it| self.surface((primitive, rind), origin, here, it.face));
-        } else if let Some(crossing) = primitive.crossing(&here.ray, from) {
+        }
+        for crossing in primitive.crossings(&here.ray, from) {
             line.crossings.push((crossing.t, self.surface((primitive, rind), origin, here, crossing.face)));
         }
         Ok(line)
@@ -447,7 +449,7 @@ impl Walk<'_, '_> {
         (primitive, rind): (&Primitive, Option<Rind>),
         origin: Origin,
         here: &Here,
-        face: u16,
+        face: u32,
     ) -> u32 {
         self.surfaces.push(Surface {
             primitive: primitive.clone(),

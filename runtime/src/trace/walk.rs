@@ -9,7 +9,7 @@ use crate::derive::Placed;
 use crate::eval::{Env, Machine};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{Call, Code, MaterialId, Node, NodeId, Op, Origin, ShapeId, Slot, Stem, Value};
-use crate::geometry::{Joints, Part, Primitive};
+use crate::geometry::{Joints, Part};
 
 // What tells the kinds of steps of a route apart.
 pub(crate) const CHOICE: u64 = 0x1000_0000_0000_0000;
@@ -96,7 +96,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
                         Fixed::Primitive(primitive) => primitive.clone(),
                         _ => {
                             let values = self.machine.primitive(*kind, code, &mut self.env)?;
-                            Primitive::new(*kind, &values).ok_or_else(|| {
+                            graph.primitive(*kind, &values).ok_or_else(|| {
                                 Fault::new(FaultKind::Primitive { kind: *kind, values: values.to_vec() }, *origin)
                             })?
                         }

@@ -92,13 +92,13 @@ pub(crate) fn primitive(kind: PrimitiveKind, params: &[f64]) -> Primitive {
 
 impl Sample {
     /// Less than 0 behind the face, more in front of it; about the distance for most kinds.
-    pub(crate) fn face_field(&self, face: u16, p: DVec3) -> f64 {
+    pub(crate) fn face_field(&self, face: u32, p: DVec3) -> f64 {
         let across = p.truncate().length();
         match (self.kind, self.params) {
             (PrimitiveKind::Sphere, _) => p.length() - 1.0,
             (PrimitiveKind::Cylinder | PrimitiveKind::Cone, params) => {
-                let &[r0, r1] = params else { return [across - 1.0, -p.z, p.z - 1.0][usize::from(face)] };
-                [across - r0 - (r1 - r0) * p.z, -p.z, p.z - 1.0][usize::from(face)]
+                let &[r0, r1] = params else { return [across - 1.0, -p.z, p.z - 1.0][face as usize] };
+                [across - r0 - (r1 - r0) * p.z, -p.z, p.z - 1.0][face as usize]
             }
             (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => match face {
                 0 => across - radius - slope * p.z,
@@ -106,12 +106,12 @@ impl Sample {
                 _ => (p.z - top - x * p.x - y * p.y) / (1.0 + x * x + y * y).sqrt(),
             },
             (PrimitiveKind::Box, _) => {
-                let part = p[usize::from(face / 2)];
+                let part = p[face as usize / 2];
                 if face.is_multiple_of(2) { -1.0 - part } else { part - 1.0 }
             }
             (PrimitiveKind::Tetrahedron, _) => {
                 let opposite = [(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0)];
-                (-DVec3::from(opposite[usize::from(face)]).dot(p) - 1.0) / 3_f64.sqrt()
+                (-DVec3::from(opposite[face as usize]).dot(p) - 1.0) / 3_f64.sqrt()
             }
             (PrimitiveKind::Torus, &[r]) => {
                 let out = across - 1.0;
@@ -121,7 +121,7 @@ impl Sample {
                 (DVec3::new(x, y, z).dot(p) - d) / DVec3::new(x, y, z).length()
             }
             (PrimitiveKind::Hull, planes) => {
-                let &[x, y, z, d] = &planes.as_chunks::<4>().0[usize::from(face)];
+                let &[x, y, z, d] = &planes.as_chunks::<4>().0[face as usize];
                 (DVec3::new(x, y, z).dot(p) - d) / DVec3::new(x, y, z).length()
             }
             (PrimitiveKind::Ellipsoid, &[a, b, c]) => (p / DVec3::new(a, b, c)).length() - 1.0,
@@ -138,12 +138,12 @@ impl Sample {
     }
 
     /// How many faces it has.
-    pub(crate) fn faces(&self) -> u16 {
+    pub(crate) fn faces(&self) -> u32 {
         match self.kind {
             PrimitiveKind::Cylinder | PrimitiveKind::Cone | PrimitiveKind::Segment => 3,
             PrimitiveKind::Box => 6,
             PrimitiveKind::Tetrahedron => 4,
-            PrimitiveKind::Hull => self.params.len() as u16 / 4,
+            PrimitiveKind::Hull => self.params.len() as u32 / 4,
             _ => 1,
         }
     }

@@ -56,7 +56,7 @@ fn both_ends_of_a_chord_are_on_the_face_they_name_and_between_them_is_inside() {
 }
 
 /// The gradient of a face's field, of length 1, by central differences.
-fn measured_normal(sample: &Sample, face: u16, p: DVec3) -> Option<DVec3> {
+fn measured_normal(sample: &Sample, face: u32, p: DVec3) -> Option<DVec3> {
     let h = 1e-6;
     let slope = |axis: DVec3| sample.face_field(face, p + h * axis) - sample.face_field(face, p - h * axis);
     let gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)) / (2.0 * h);

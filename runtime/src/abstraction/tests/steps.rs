@@ -20,7 +20,7 @@ fn points(primitive: &Primitive) -> Vec<DVec3> {
         let ray = crate::geometry::Ray { origin: target - direction * 3.0, direction };
         let ends = primitive.chords(&ray, None);
         points.extend(ends.iter().flat_map(|it| [ray.at(it.near.t), ray.at(it.far.t)]));
-        points.extend(primitive.crossing(&ray, None).map(|it| ray.at(it.t)));
+        points.extend(primitive.crossings(&ray, None).iter().map(|it| ray.at(it.t)));
     }
     points
 }

@@ -309,7 +309,7 @@ impl<'q> Ask<'q> {
 
     /// The face that the ray starts on.
     #[inline]
-    pub(super) fn start_face(&self) -> Option<u16> {
+    pub(super) fn start_face(&self) -> Option<u32> {
         self.from.map(|it| it.face)
     }
 

@@ -418,8 +418,15 @@ impl Layout<'_, '_, '_> {
         }
         let number = self.cell.others.len() as u32;
         let is_hull = primitive.hull().is_some_and(|it| is_tame(it.reach(), &leaf_from_cell));
+        let shape = if is_hull {
+            LeafShape::Hull(number)
+        } else if primitive.mesh().is_some() {
+            LeafShape::Mesh(number)
+        } else {
+            LeafShape::Other(number)
+        };
         self.cell.others.push(primitive);
-        (leaf_from_cell, if is_hull { LeafShape::Hull(number) } else { LeafShape::Other(number) })
+        (leaf_from_cell, shape)
     }
 
     fn instance(&mut self, way: &Way, state: u32, origin: Origin) -> Result<(Ref, Aabb), Fault> {

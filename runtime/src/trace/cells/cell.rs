@@ -15,7 +15,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::boxes::Node;
 use super::ray::{Inwards, Local};
 use crate::form::{MaterialId, Origin};
-use crate::geometry::{Aabb, Chords, Convex, ConvexSet, Primitive, Ray, Relief, Shown};
+use crate::geometry::{Aabb, Chords, Convex, ConvexSet, Primitive, Ray, Relief, Shown, Triangles};
 use crate::texture::Rough;
 use crate::trace::{Bark, Route};
 
@@ -160,6 +160,8 @@ pub(super) enum LeafShape {
     Convex(Convex),
     /// A convex set, in such a frame: its number among [`Cell::others`].
     Hull(u32),
+    /// A mesh: its number among [`Cell::others`].
+    Mesh(u32),
     /// Any other: its number among [`Cell::others`].
     Other(u32),
     /// A segment with a relief: its number among [`Cell::barks`].
@@ -217,7 +219,9 @@ impl Cell {
     pub(super) fn with_primitive<T>(&self, leaf: &Leaf, ask: impl FnOnce(&Primitive) -> T) -> T {
         match leaf.shape {
             LeafShape::Convex(convex) => ask(&convex.primitive()),
-            LeafShape::Hull(number) | LeafShape::Other(number) => ask(&self.others[number as usize]),
+            LeafShape::Hull(number) | LeafShape::Mesh(number) | LeafShape::Other(number) => {
+                ask(&self.others[number as usize])
+            }
             LeafShape::Relief(number) => ask(&self.barks[number as usize].1.rind.primitive()),
         }
     }
@@ -228,22 +232,28 @@ impl Cell {
     }
 
     /// The pieces of a line inside a leaf, in the frame of the leaf.
-    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u16>) -> Chords {
+    pub(super) fn chords(&self, leaf: &Leaf, line: &Ray, from: Option<u32>) -> Chords {
         match self.relief(leaf) {
             Some(relief) => relief.chords(line, from),
             None => self.with_primitive(leaf, |it| it.chords(line, from)),
         }
     }
 
-    /// The face that a line meets at t, for a mark that does not tell the faces of a convex set apart.
+    /// The face that a line meets at t, for a mark that does not tell the faces of a convex set or of a mesh apart.
     pub(super) fn face(
+        &self,
+        leaf: &Leaf,
         shown: Option<Shown<'_>>,
         marked: u8,
         rough: Option<&Rough>,
         line: impl FnOnce() -> (Ray, f64),
-    ) -> u16 {
+    ) -> u32 {
+        if let Some(mesh) = self.mesh(leaf) {
+            let (line, t) = line();
+            return mesh.face_at(&line, t);
+        }
         let Some(shown) = shown else {
-            return u16::from(marked);
+            return u32::from(marked);
         };
         let (line, t) = line();
         if rough.is_some() { shown.nearest_face(line.at(t)) } else { shown.face_at(&line, t) }
@@ -261,8 +271,14 @@ impl Cell {
     pub(super) fn set(&self, leaf: &Leaf) -> Option<&ConvexSet> {
         match leaf.shape {
             LeafShape::Hull(number) => self.others[number as usize].hull(),
-            LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => None,
+            LeafShape::Convex(_) | LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_) => None,
         }
+    }
+
+    /// A leaf that is a mesh.
+    #[inline(always)]
+    pub(super) fn mesh(&self, leaf: &Leaf) -> Option<&Triangles> {
+        if let LeafShape::Mesh(number) = leaf.shape { self.others[number as usize].mesh() } else { None }
     }
 }
 
@@ -325,10 +341,10 @@ pub(super) struct Frame {
 }
 
 impl Leaf {
-    /// A face as marks tell it: those of a convex set they do not tell apart.
-    pub(super) fn marked(&self, face: u16) -> u8 {
+    /// A face as marks tell it: those of a convex set or of a mesh they do not tell apart.
+    pub(super) fn marked(&self, face: u32) -> u8 {
         match self.shape {
-            LeafShape::Hull(_) => 0,
+            LeafShape::Hull(_) | LeafShape::Mesh(_) => 0,
             LeafShape::Convex(_) | LeafShape::Other(_) | LeafShape::Relief(_) => face as u8,
         }
     }

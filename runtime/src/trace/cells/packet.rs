@@ -652,7 +652,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 }
             }
             LeafShape::Convex(_) | LeafShape::Hull(_) => {}
-            LeafShape::Other(_) | LeafShape::Relief(_) => apart = rays,
+            LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_) => apart = rays,
         }
         if apart != 0 {
             self.leaf_apart(cell, leaf, apart);

@@ -332,7 +332,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 let shown =
                     cell.shown(leaf, |center| self.local(place, hit.ray).width_at(girth, &leaf.leaf_from_cell, center));
                 let face =
-                    Cell::face(shown, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
+                    cell.face(leaf, shown, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
                 let outwards = self.normal(place, cell, (leaf, face), (shown, rough), hit);
                 let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
                 (if turned { -outwards } else { outwards }, 0.0, face)
@@ -407,7 +407,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         &self,
         place: &Place,
         cell: &Cell,
-        (leaf, face): (&Leaf, u16),
+        (leaf, face): (&Leaf, u32),
         (shown, rough): (Option<Shown<'_>>, Option<&Rough>),
         hit: &Hit,
     ) -> DVec3 {

@@ -494,7 +494,7 @@ fn meet_rough(ask: &mut Ask, rough: &Rough, set: &Shown<'_>, leaf: &Leaf, passag
 
 /// Whether a ray that starts on a leaf will not meet it again.
 #[inline(always)]
-pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, girth: Girth, face: Option<u16>) -> bool {
+pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, girth: Girth, face: Option<u32>) -> bool {
     let line = || ray.line(&leaf.leaf_from_cell);
     match (leaf.shape, face) {
         (_, Some(Site::THROUGH)) => true,
@@ -503,12 +503,13 @@ pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, girth: Girth, face:
             it.normal(face_started_on(cell, leaf, &it, &line, face)).dot(line.direction) > 0.0
         }),
         (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &line()),
-        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
+        (LeafShape::Convex(_) | LeafShape::Hull(_), None)
+        | (LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
     }
 }
 
 /// The face that a ray starts on, of those that it sees: it may see other ones than the ray that found the place.
-fn face_started_on(cell: &Cell, leaf: &Leaf, shown: &Shown<'_>, line: &Ray, face: u16) -> u16 {
+fn face_started_on(cell: &Cell, leaf: &Leaf, shown: &Shown<'_>, line: &Ray, face: u32) -> u32 {
     let has_levels = cell.set(leaf).is_some_and(ConvexSet::has_levels);
     if has_levels { shown.nearest_face(line.origin) } else { face }
 }
@@ -519,7 +520,11 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
     let pieces = match (leaf.shape, shown(cell, leaf, ray, ask.girth)) {
         (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
         (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.pieces(One::new(), &lines()),
-        (LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => {
+        (LeafShape::Mesh(_), _) if ray.is_tame() => return meet_mesh(ask, cell, leaf, trail, ray),
+        (
+            LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_),
+            _,
+        ) => {
             return meet_primitive(ask, cell, leaf, trail, ray, None);
         }
     };
@@ -538,9 +543,9 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
 /// What a leaf says to the question that is no convex primitive, or whose ray is out of the ordinary.
 #[cold]
 #[inline(never)]
-fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u16>) {
+fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local, from: Option<u32>) {
     let line = ray.line(&leaf.leaf_from_cell);
-    let event = |t: f64, face: u16| {
+    let event = |t: f64, face: u32| {
         let mark = Mark { trail, part: leaf.part, face: leaf.marked(face) };
         Event { t: ray.world(t), mark, flipped: false }
     };
@@ -565,13 +570,35 @@ fn meet_primitive(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Loc
             let (near, far) = (event(chord.near.t, chord.near.face), event(chord.far.t, chord.far.face));
             ask.meet(near, Some(far));
         }
-    } else if let Some(crossing) = cell.with_primitive(leaf, |it| it.crossing(&line, from)) {
-        ask.meet(event(crossing.t, crossing.face), None);
+    } else {
+        let crossings = cell.with_primitive(leaf, |it| it.crossings(&line, from));
+        crossings.iter().for_each(|it| ask.meet(event(it.t, it.face), None));
+    }
+}
+
+/// What a mesh says to the question.
+///
+/// Where the ray starts outside, the first triangle behind its start is all that matters: the rest is not looked for.
+#[inline(never)]
+fn meet_mesh(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
+    let Some(mesh) = cell.mesh(leaf) else {
+        return;
+    };
+    let line = ray.line(&leaf.leaf_from_cell);
+    let start = ray.own(0.0);
+    let is_outside = !leaf.solid || !start.is_finite() || !mesh.may_hold(line.at(start));
+    if !is_outside || ask.question == Question::Exit {
+        return meet_primitive(ask, cell, leaf, trail, ray, None);
+    }
+    if let Some(crossing) = mesh.first(&line, (start, ray.own(ask.best))) {
+        let mark = Mark { trail, part: leaf.part, face: 0 };
+        let near = Event { t: ray.world(crossing.t), mark, flipped: false };
+        ask.meet(near, leaf.solid.then_some(Event { t: f64::MAX, ..near }));
     }
 }
 
 /// Where a ray first comes into a relief, or that it does not, if that is all that is asked: it starts outside or on the surface.
-fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option<u16>) -> Option<Option<Crossing>> {
+fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option<u32>) -> Option<Option<Crossing>> {
     if !matches!(ask.question, Question::Nearest | Question::Any) {
         return None;
     }

@@ -200,6 +200,8 @@ mod tests {
             mesh_triangles,
             mesh_nodes,
             cell_bytes,
+            // How pictures look is no limit.
+            lod: _,
         } = limits;
         let small = [depth, calls, repeat, list, items, rules, modules, segments, planes, intervals].map(u64::from);
         let large = [operations, strides, steps, primitives, triangles, mesh_triangles, mesh_nodes, cell_bytes];

@@ -192,10 +192,13 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
 
     /// Takes note that a module is replaced, and of the normal that it stood for.
     pub(super) fn note_fork(&mut self, ticket: Ticket) {
+        if self.splits.is_none() {
+            return;
+        }
         let laid = self.waiting.get(ticket);
         let has_length = !self.shape.modules[laid.module.0 as usize].params.is_empty();
-        let length = match self.waiting.value(ticket, 0) {
-            Value::Number(length) if has_length && length >= 0.0 => Some(length),
+        let length = match has_length.then(|| self.waiting.value(ticket, 0)) {
+            Some(Value::Number(length)) if length >= 0.0 => Some(length),
             _ => None,
         };
         let normal = length.map(|it| normal(&laid.frame, it, laid.material, self.ancestry.origin(laid.number)));

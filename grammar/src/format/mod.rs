@@ -35,12 +35,16 @@ const MOST_ROUNDS: usize = 16;
 /// # Errors
 /// Its mistakes: such a text is nobody's to change.
 pub fn format(file: FileId, text: &str) -> Result<String, Vec<SyntaxError>> {
+    // Of the text itself: what it is tidied to may have other places, and fewer mistakes.
+    let errors = parse(file, text).errors;
+    if !errors.is_empty() {
+        return Err(errors);
+    }
     let mut formatted = tidy(text);
-    for round in 0..MOST_ROUNDS {
+    for _ in 0..MOST_ROUNDS {
         let parsed = parse(file, &formatted);
         if !parsed.errors.is_empty() {
-            // The first round tells of the places in the text itself.
-            return if round == 0 { Err(parse(file, text).errors) } else { Ok(text.to_owned()) };
+            return Ok(text.to_owned());
         }
         let pieces = Pieces::new(file, &formatted, &parsed.file);
         let next = written(&pieces);

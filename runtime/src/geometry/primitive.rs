@@ -239,7 +239,11 @@ impl Primitive {
             Shape::Ellipsoid { axes } => (*axes * direction).length(),
             Shape::Hyperboloid { axes } => sheet::hyperboloid_support(*axes * direction),
             Shape::Paraboloid { axes } => sheet::paraboloid_support(*axes * direction),
-            Shape::Quadric(quadric) => quadric.support(direction),
+            Shape::Quadric(quadric) => {
+                let reach = quadric.support(direction);
+                // Near the largest and the smallest numbers nothing may be known of it.
+                if reach.is_nan() { f64::INFINITY } else { reach }
+            }
             Shape::Segment(cone) => cone.support(direction),
             Shape::Hull(set) => set.support(direction),
             Shape::Mesh(_, mesh) => mesh.support(direction),

@@ -191,7 +191,9 @@ impl CutCone {
         let around = turn - turn.floor();
         let across = point.truncate();
         let outwards = if across.length() > 0.0 { across / across.length() } else { DVec2::X };
-        let part = self.part_along(point.z, outwards).clamp(0.0, 1.0);
+        let part = self.part_along(point.z, outwards);
+        // Where it leans beyond all numbers, any part will do.
+        let part = if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) };
         // A turn of less than half an ulp below 0 rounds to a whole one.
         [if around < 1.0 { around } else { 0.0 }, wrap.along[0] + (wrap.along[1] - wrap.along[0]) * part]
     }

@@ -5,8 +5,9 @@
 //! which the first corner is an anchor, the others so far from it ([`anchored`](super::anchored)), if its bounds move as a whole.
 //! How far the others are is taken roughly, so that many states are near enough to each other to be one.
 //!
-//! Whether this is of use is asked of a state with the same control slots whose data is 0: where its bounds are much larger than they
-//! need be, since its data does more than to move it, states are looked at one by one. So the answer depends on the state alone.
+//! Whether this is of use is asked of one state for all with the same control slots, whose data is made up: where its bounds are much
+//! larger than they need be, since data does more than to move it, states are looked at one by one. So the answer depends on the state
+//! alone.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -37,7 +38,7 @@ pub(super) struct Translated(Mutex<Tables>);
 
 #[derive(Debug, Default)]
 struct Tables {
-    /// For states whose data is 0, which of their data may be anchored.
+    /// For states whose data is made up, which of it may be anchored.
     usual: HashMap<AbstractState, Option<Anchoring>, BuildQuickHash>,
     /// What anchored states amount to.
     extents: HashMap<AbstractState, Option<Box<Extent>>, BuildQuickHash>,
@@ -114,8 +115,8 @@ fn is_place(value: &Abstract) -> bool {
     matches!(value.exact(), Some(Value::Number(_) | Value::Vector(_)))
 }
 
-/// The state with the same control slots whose vectors, and the numbers it was called with, are 0; the rest of its data is taken
-/// roughly.
+/// The state with the same control slots whose vectors, and the numbers it was called with, are those of [`USUAL`]; the rest of its
+/// data is taken roughly.
 fn usual_state(flow: &Flow, state: &AbstractState) -> AbstractState {
     let params = params(flow, state.entry);
     let value = |((slot, control), value): (&(Slot, bool), &Abstract)| match value.exact() {

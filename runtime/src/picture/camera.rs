@@ -1,9 +1,11 @@
 //! The rays of a camera.
 
 use glam::{DVec2, DVec3};
+use pulp::cast;
 
 use crate::form::{Camera, Lens};
 use crate::geometry::Ray;
+use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
 use crate::scan::Projection;
 use crate::trace::Beam;
 
@@ -57,6 +59,13 @@ impl Rays {
         Beam { ray, width: 0.0, spread: girth }
     }
 
+    /// Adds the beams through points of the picture: to the bit those that [`Rays::through`] gives, several at once.
+    pub(super) fn through_all(&self, points: &[DVec2], beams: &mut Vec<Beam>) {
+        let (eights, rest) = points.split_at(if self.parallel { 0 } else { points.len() / EIGHT * EIGHT });
+        dispatch(Through { rays: self, points: eights, beams });
+        beams.extend(rest.iter().map(|it| self.through(it.x, it.y)));
+    }
+
     /// How wide beams are: where they are parallel, or else at distance 1.
     pub(super) fn girth(&self) -> f64 {
         self.pixel * self.detail
@@ -86,6 +95,41 @@ impl Rays {
     /// To the right in the picture.
     pub(super) fn right(&self) -> DVec3 {
         self.right
+    }
+}
+
+/// Beams of a perspective through points of the picture, whose number is a multiple of eight.
+struct Through<'a> {
+    rays: &'a Rays,
+    points: &'a [DVec2],
+    beams: &'a mut Vec<Beam>,
+}
+
+impl Task for Through<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) {
+        let Self { rays, points, beams } = self;
+        let Rays { eye, forward, right, up, middle, pixel, .. } = rays;
+        let spread = rays.girth();
+        let lanes = kernel.lanes();
+        let (right, up, forward) =
+            (Wide3::splat(lanes, *right), Wide3::splat(lanes, *up), Wide3::splat(lanes, *forward));
+        let (pixel, one) = (Wide::splat(lanes, *pixel), Wide::splat(lanes, 1.0));
+        for points in points.chunks_exact(EIGHT) {
+            let (mut x, mut y) = ([0.0; EIGHT], [0.0; EIGHT]);
+            for lane in 0..EIGHT {
+                (x[lane], y[lane]) = (points[lane].x - middle.x, middle.y - points[lane].y);
+            }
+            let (x, y) = (Wide::new(lanes, cast(x)) * pixel, Wide::new(lanes, cast(y)) * pixel);
+            let direction = forward + (right * x + up * y);
+            let direction = direction * (one / direction.dot(direction).sqrt());
+            for lane in 0..EIGHT {
+                let ray = Ray { origin: *eye, direction: direction.lane(lane) };
+                beams.push(Beam { ray, width: 0.0, spread });
+            }
+        }
     }
 }
 

@@ -77,6 +77,8 @@ pub(super) struct Desk {
     centres: Vec<Option<Hit>>,
     active: Vec<u32>,
     keys: Vec<Key>,
+    /// Where the batch's rays go through the picture, and their beams.
+    points: Vec<DVec2>,
     beams: Vec<Beam>,
     seen: Seen,
     /// What the scanner has drawn: the first of its grids has the samples of this number.
@@ -279,14 +281,14 @@ impl<'a> Painter<'a> {
 
     fn begin_batch(&mut self) {
         self.desk.keys.clear();
-        self.desk.beams.clear();
+        self.desk.points.clear();
     }
 
     fn add_ray(&mut self, slot: u32, sample: u32, offset: DVec2) {
         let pixel = self.desk.pixels[slot as usize].place;
         let at = DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset;
         self.desk.keys.push(Key { slot, pixel, sample });
-        self.desk.beams.push(self.setting.rays.through(at.x, at.y));
+        self.desk.points.push(at);
     }
 
     fn flush(&mut self) -> Result<(), Stop> {
@@ -326,6 +328,7 @@ impl<'a> Painter<'a> {
     /// Finds how much work the beams make. It stands for the colour until the most of it is known.
     fn flush_work(&mut self) -> Result<(), Stop> {
         self.count()?;
+        self.aim();
         self.setting.tracer.work(&self.desk.beams, &mut self.desk.work).map_err(|fault| self.stop(fault))?;
         for (key, work) in self.desk.keys.iter().zip(&self.desk.work) {
             self.desk.pixels[key.slot as usize].add([*work as f32, 0.0, 0.0, 1.0]);
@@ -339,12 +342,20 @@ impl<'a> Painter<'a> {
         if self.setting.watch.interrupted() {
             return Err(Stop::Interrupted);
         }
-        self.desk.counts.camera += self.desk.beams.len() as u64;
+        self.desk.counts.camera += self.desk.points.len() as u64;
         Ok(())
+    }
+
+    /// Makes the beams of the batch.
+    fn aim(&mut self) {
+        let Desk { points, beams, .. } = &mut self.desk;
+        beams.clear();
+        self.setting.rays.through_all(points, beams);
     }
 
     fn look(&mut self) -> Result<(), Stop> {
         self.count()?;
+        self.aim();
         if self.setting.scanner.is_none() {
             return self.setting.tracer.look(&self.desk.beams, &mut self.desk.seen).map_err(|fault| self.stop(fault));
         }

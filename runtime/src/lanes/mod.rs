@@ -8,7 +8,7 @@ mod wide;
 
 pub(crate) use self::wide::{Mask, Wide, Wide3, lane_of};
 
-use pulp::{Simd, f32x16, f64x8, u64x8};
+use pulp::{Simd, f32x16, f64x8, u32x16, u64x8};
 
 /// Numbers of double precision side by side.
 pub(crate) const EIGHT: usize = 8;
@@ -19,7 +19,7 @@ pub(crate) type One = pulp::Scalar;
 /// A machine's way to compute on eight numbers of double precision, or sixteen of single precision, at once.
 pub(crate) trait Kernel: Copy + Send + Sync {
     /// Its operations.
-    type Lanes: Simd<f64s = f64x8, u64s = u64x8, f32s = f32x16>;
+    type Lanes: Simd<f64s = f64x8, u64s = u64x8, f32s = f32x16, u32s = u32x16>;
 
     /// What the operations are called on.
     fn lanes(self) -> Self::Lanes;

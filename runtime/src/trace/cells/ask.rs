@@ -249,6 +249,8 @@ pub(super) struct Ask<'q> {
     pub(super) question: Question,
     /// The surface the ray starts on.
     pub(super) from: Option<&'q Site>,
+    /// Whether it is known to go away from that surface, on the side to which its normal points.
+    pub(super) leaving: bool,
     pub(super) girth: Girth,
     /// The ray's number in its packet.
     pub(super) ray: u8,
@@ -274,6 +276,7 @@ impl<'q> Ask<'q> {
         Self {
             question,
             from,
+            leaving: false,
             girth,
             ray: 0,
             best: f64::INFINITY,

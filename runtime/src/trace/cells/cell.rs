@@ -341,6 +341,12 @@ pub(super) struct Frame {
 }
 
 impl Leaf {
+    /// Whether a ray that starts on it and goes to the side to which its normal points there never meets it again.
+    #[inline(always)]
+    pub(super) fn is_left_by_all_leaving(&self) -> bool {
+        self.solid && matches!(self.shape, LeafShape::Convex(_))
+    }
+
     /// A face as marks tell it: those of a convex set or of a mesh they do not tell apart.
     pub(super) fn marked(&self, face: u32) -> u8 {
         match self.shape {

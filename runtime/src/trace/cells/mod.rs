@@ -49,6 +49,7 @@ use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
 use crate::lanes::{Kernel, Task, dispatch};
 use crate::limits::Limits;
+use glam::DVec3;
 
 /// The number of the scene's state in every generation, and of the state that a generation apart begins with.
 const ROOT: u32 = 0;
@@ -119,7 +120,13 @@ impl Tracer for CellTracer<'_> {
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
         light.reserve(beams.len());
-        dispatch(Light { tracer: self, beams, light })
+        dispatch(Light { tracer: self, beams, normals: &[], light })
+    }
+
+    fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        light.clear();
+        light.reserve(beams.len());
+        dispatch(Light { tracer: self, beams, normals, light })
     }
 
     fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
@@ -186,6 +193,8 @@ impl<B: Start> Task for Look<'_, '_, B> {
 struct Light<'a, 's> {
     tracer: &'a CellTracer<'s>,
     beams: &'a [SurfaceBeam],
+    /// The normals of the surfaces that they start on, if they are known.
+    normals: &'a [DVec3],
     light: &'a mut Vec<f64>,
 }
 
@@ -194,15 +203,15 @@ impl Task for Light<'_, '_> {
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, beams, light } = self;
+        let Self { tracer, beams, normals, light } = self;
         while light.len() < beams.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
             while light.len() < beams.len() {
                 let start = light.len();
-                let packet = &beams[start..beams.len().min(start + RAYS)];
+                let end = beams.len().min(start + RAYS);
                 caster
-                    .light_all(packet, light)
+                    .light_all(&beams[start..end], normals.get(start..end).unwrap_or_default(), light)
                     .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
@@ -373,11 +382,12 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
 
     /// How much light comes to the beams of a packet.
     #[inline(always)]
-    fn light_all(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+    fn light_all(&mut self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
         let (packet, from) = gathered(beams);
         let mut ask = PacketAsk::new(Question::Any, all_of(beams.len()), &packet, from);
+        ask.leaving = leaving(beams, normals);
         if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
-            return self.light_each(beams, light);
+            return self.light_each(beams, ask.leaving, light);
         }
         light.extend((0..beams.len()).map(|ray| ask.light(ray)));
         Ok(())
@@ -385,10 +395,11 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
 
     #[cold]
     #[inline(never)]
-    fn light_each(&mut self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
+    fn light_each(&mut self, beams: &[SurfaceBeam], leaving: u32, light: &mut Vec<f64>) -> Result<(), RayFault> {
         for (number, it) in beams.iter().enumerate() {
             let mut notes = self.new_notes();
             let mut ask = Ask::new(Question::Any, Some(&it.from), Girth::of(&it.beam), &mut notes);
+            ask.leaving = leaving >> number & 1 == 1;
             let asked = self.ask_alone(&mut ask, &it.beam.ray);
             let left = if ask.over { 0.0 } else { ask.loss.left() };
             self.notes = notes;
@@ -471,6 +482,13 @@ fn gathered<B: Start>(beams: &[B]) -> ([Beam; RAYS], [Option<&Site>; RAYS]) {
         (packet[number], from[number]) = it.beam();
     }
     (packet, from)
+}
+
+/// The beams that go away from the surfaces that they start on, one bit each, as far as their normals tell.
+#[inline(always)]
+fn leaving(beams: &[SurfaceBeam], normals: &[DVec3]) -> u32 {
+    let leaves = |(beam, normal): (&SurfaceBeam, &DVec3)| normal.dot(beam.beam.ray.direction) > 0.0;
+    beams.iter().zip(normals).enumerate().fold(0, |bits, (number, it)| bits | u32::from(leaves(it)) << number)
 }
 
 /// The bits of so many rays.

@@ -32,6 +32,10 @@ pub(super) struct PacketAsk<'q> {
     pub(super) question: Question,
     /// The surface that each ray starts on.
     pub(super) from: [Option<&'q Site>; RAYS],
+    /// The rays that are known to go away from that, as [`Ask::leaving`],
+    pub(super) leaving: u32,
+    /// and those that go through the solid that they start on.
+    through: u32,
     /// The rays that still ask.
     pub(super) asking: u32,
     /// The rays whose search is over, as [`Ask::over`].
@@ -57,9 +61,13 @@ impl<'q> PacketAsk<'q> {
             width[number / EIGHT][number % EIGHT] = beam.width;
             spread[number / EIGHT][number % EIGHT] = beam.spread;
         }
+        let is_through = |it: &Option<&Site>| it.is_some_and(Site::is_through);
+        let through = from.iter().enumerate().fold(0, |bits, (ray, it)| bits | u32::from(is_through(it)) << ray);
         Self {
             question,
             from,
+            leaving: 0,
+            through,
             asking,
             over: 0,
             width: pulp::cast(width),
@@ -103,6 +111,7 @@ impl<'q> PacketAsk<'q> {
         let (best, found) = self.found(ray);
         let mut ask = Ask::new(self.question, self.from[ray], self.girth(ray), notes);
         (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
+        ask.leaving = self.leaving >> ray & 1 == 1;
         ask
     }
 
@@ -626,8 +635,12 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         let mut apart = rays & frame.wild;
         let mut rays = rays;
-        for ray in lanes_of(frame.starting & rays) {
-            if frame.from[ray] == leaf.part {
+        let starting = rays & frame.starting;
+        if starting != 0 {
+            let here = starting & frame.starts_on(self.tracing.kernel, leaf.part);
+            let left = if leaf.is_left_by_all_leaving() { here & self.ask.leaving } else { 0 };
+            rays &= !left;
+            for ray in lanes_of(here & !left) {
                 let face = self.ask.from[ray].map(|it| it.face);
                 let local = frame.rays.local[ray / EIGHT].ray(ray % EIGHT).counted_from_start();
                 if is_left(cell, leaf, &local, self.ask.girth(ray), face) {
@@ -635,8 +648,11 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 } else {
                     apart |= 1 << ray;
                 }
-            } else if self.ask.from[ray].is_some_and(Site::is_through) && cell.is_one(frame.from[ray], leaf.part) {
-                rays &= !(1 << ray);
+            }
+            for ray in lanes_of(starting & !here & self.ask.through) {
+                if cell.is_one(frame.from[ray], leaf.part) {
+                    rays &= !(1 << ray);
+                }
             }
         }
         apart &= rays;
@@ -772,6 +788,13 @@ impl<'g, K: Kernel> Frame<'g, K> {
     fn start(&mut self, ray: usize, part: u32) {
         self.from[ray] = part;
         self.starting |= u32::from(part != NONE) << ray;
+    }
+
+    /// The rays that start on (or in) a part of the cell, of those that start in it at all.
+    #[inline(always)]
+    fn starts_on(&self, kernel: K, part: u32) -> u32 {
+        let lanes = kernel.lanes();
+        kernel.bits16(lanes.equal_u32s(pulp::cast(self.from), lanes.splat_u32s(part)))
     }
 
     /// One of the rays by itself.

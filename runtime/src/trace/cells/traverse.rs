@@ -444,6 +444,9 @@ pub(super) fn look_at(
 #[inline(always)]
 pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
+        if ask.leaving && leaf.is_left_by_all_leaving() {
+            return;
+        }
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
         let ray = passage.ray.counted_from_start();
         if !is_left(cell, leaf, &ray, ask.girth, ask.start_face()) {

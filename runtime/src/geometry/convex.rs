@@ -94,6 +94,17 @@ impl Convex {
         self.is_solid() && self.outwards(face, ray.origin).dot(ray.direction) > 0.0
     }
 
+    /// A vector along the normal of a face, outwards, not of length 1, if it is the same all over the face. A triangle's is up.
+    #[inline(always)]
+    pub(crate) fn flat_normal(&self, face: u32) -> Option<DVec3> {
+        let is_flat = match self {
+            Self::Cube | Self::Tetrahedron | Self::HalfSpace { .. } | Self::Triangle => true,
+            Self::Cylinder | Self::Cone { .. } => face != SIDE,
+            Self::Ball | Self::Segment(_) => false,
+        };
+        is_flat.then(|| self.outwards(face, DVec3::ZERO))
+    }
+
     /// A vector along the outward normal of a face, not of length 1.
     fn outwards(&self, face: u32, point: DVec3) -> DVec3 {
         match *self {

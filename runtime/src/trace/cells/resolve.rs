@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 
 use super::ROOT;
 use super::ask::{Found, Girth, Mark, Notes};
-use super::cell::{Cell, ENDED, Grain, Leaf, Named, PART, Part};
+use super::cell::{Cell, ENDED, Grain, Leaf, LeafShape, Named, PART, Part};
 use super::ending::{Ending, solid};
 use super::measure::Measuring;
 use super::ray::{Inwards, Local};
@@ -322,25 +322,17 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                // What is cut by others is not carved.
-                let rough = if place.frozen || part.frozen {
-                    None
-                } else {
-                    rough_set(&self.store.roughs, cell, leaf, place.material)
+                let (outwards, face) = match self.flat_normal(place, leaf, mark) {
+                    Some(normal) => (normal, u32::from(mark.face)),
+                    None => self.shaped_normal(place, (leaf, part), mark, hit),
                 };
-                let girth = if place.frozen || part.frozen { Girth::NONE } else { hit.girth };
-                let shown =
-                    cell.shown(leaf, |center| self.local(place, hit.ray).width_at(girth, &leaf.leaf_from_cell, center));
-                let face =
-                    cell.face(leaf, shown, mark.face, rough, || line_in(&self.local(place, hit.ray), leaf, hit.depth));
-                let outwards = self.normal(place, cell, (leaf, face), (shown, rough), hit);
                 let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
                 (if turned { -outwards } else { outwards }, 0.0, face)
             }
             // The closed box that stands for an instance inside a Boolean.
             _ => (-hit.ray.direction.normalize(), 0.5, 0),
         };
-        let mut path = place.path.clone();
+        let mut path = SmallVec::from_slice(&place.path);
         path.push(mark.part);
         seen.push(Fragment {
             spread,
@@ -400,6 +392,32 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
     }
 
+    /// The normal of a flat face of a convex primitive in the world. The frames of such primitives are such that nothing here is out of
+    /// range ([`LeafShape::Convex`], [`near_one`]).
+    #[inline(always)]
+    fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
+        let LeafShape::Convex(convex) = leaf.shape else {
+            return None;
+        };
+        let normal = transposed(&leaf.leaf_from_cell.matrix3, convex.flat_normal(u32::from(mark.face))?);
+        Some(transposed(&place.cell_from_world, normal).normalize())
+    }
+
+    /// The normal in the world where a ray meets any other surface, and the face.
+    #[inline(never)]
+    fn shaped_normal(&self, place: &Place, (leaf, part): (&Leaf, &Part), mark: Mark, hit: &Hit) -> (DVec3, u32) {
+        let cell = self.cell_of(place);
+        // What is cut by others is not carved.
+        let cut = place.frozen || part.frozen;
+        let rough = if cut { None } else { rough_set(&self.store.roughs, cell, leaf, place.material) };
+        let girth = if cut { Girth::NONE } else { hit.girth };
+        let width = |center| self.local(place, hit.ray).width_at(girth, &leaf.leaf_from_cell, center);
+        let shown = cell.shown(leaf, width);
+        let line = || line_in(&self.local(place, hit.ray), leaf, hit.depth);
+        let face = cell.face(leaf, shown, mark.face, rough, line);
+        (self.normal(place, cell, (leaf, face), (shown, rough), hit), face)
+    }
+
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
     /// which is the transposed matrix of the way inwards. The frame of the first cell differs from the world's in size only.
     #[inline]
@@ -420,9 +438,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             let normal = shown.map_or_else(|| primitive.normal(point, face), |it| it.normal(face));
             rough.map_or(normal, |it| it.normal(normal, point))
         });
-        let normal = leaf.leaf_from_cell.matrix3.transpose() * normal;
-        let normal = place.cell_from_world.transpose() * (normal * (1.0 / normal.abs().max_element()));
-        normal.normalize()
+        let normal = transposed(&leaf.leaf_from_cell.matrix3, normal);
+        transposed(&place.cell_from_world, normal * (1.0 / normal.abs().max_element())).normalize()
     }
 
     fn held_root(&self) -> Result<Held<'g>, Fault> {
@@ -475,6 +492,12 @@ fn near_one(matrix: DMat3) -> DMat3 {
     }
     let factor = 1.0 / size;
     DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
+}
+
+/// A vector mapped by a transposed matrix.
+#[inline(always)]
+fn transposed(matrix: &DMat3, vector: DVec3) -> DVec3 {
+    DVec3::new(matrix.x_axis.dot(vector), matrix.y_axis.dot(vector), matrix.z_axis.dot(vector))
 }
 
 /// A ray in the frame of a leaf, and `t` there.

@@ -73,6 +73,13 @@ impl<S: Copy> Intervals<S> {
         self.list.len()
     }
 
+    /// The pieces that reach into a stretch of the ray.
+    #[must_use]
+    pub(crate) fn within(mut self, (from, to): (f64, f64)) -> Self {
+        self.list.retain(|it| it.far.t >= from && it.near.t <= to);
+        self
+    }
+
     /// What lies in either.
     pub fn union(&self, other: &Self, tolerance: f64) -> Self {
         combine(self, other, tolerance, false, |a, b| a || b)
@@ -90,15 +97,43 @@ impl<S: Copy> Intervals<S> {
 
     /// What lies in any of `lists`; an earlier list counts as the first operand.
     pub fn union_of(lists: &[Self], tolerance: f64) -> Self {
-        let mut pieces: SmallVec<[Ranked<S>; 16]> = SmallVec::new();
+        let mut gathered = Gathered::new();
         for (rank, list) in lists.iter().enumerate() {
-            pieces.extend(list.list.iter().map(|it| Ranked { near: (it.near, rank), far: (it.far, rank) }));
+            gathered.extend(&list.list, rank as u32);
         }
-        pieces.sort_by(|a, b| a.near.0.t.total_cmp(&b.near.0.t));
+        gathered.union(tolerance)
+    }
+}
+
+/// The pieces inside the operands of a union, in any order; each knows the rank of its operand, which is less the earlier it was written.
+pub(crate) struct Gathered<S> {
+    pieces: SmallVec<[Ranked<S>; 8]>,
+}
+
+impl<S: Copy> Gathered<S> {
+    /// None yet.
+    pub(crate) fn new() -> Self {
+        Self { pieces: SmallVec::new() }
+    }
+
+    /// Adds a piece inside the operand of a rank.
+    #[inline]
+    pub(crate) fn add(&mut self, piece: Interval<S>, rank: u32) {
+        self.pieces.push(Ranked { near: (piece.near, rank), far: (piece.far, rank) });
+    }
+
+    /// Adds pieces inside the operand of a rank.
+    pub(crate) fn extend(&mut self, pieces: &[Interval<S>], rank: u32) {
+        pieces.iter().for_each(|it| self.add(*it, rank));
+    }
+
+    /// What lies in any of them.
+    pub(crate) fn union(mut self, tolerance: f64) -> Intervals<S> {
+        self.pieces.sort_unstable_by(|a, b| a.near.0.t.total_cmp(&b.near.0.t).then(a.near.1.cmp(&b.near.1)));
         let mut builder = Builder::new();
-        let mut pieces = pieces.into_iter();
+        let mut pieces = self.pieces.into_iter();
         let Some(mut current) = pieces.next() else {
-            return Self::empty();
+            return Intervals::empty();
         };
         for piece in pieces {
             if piece.near.0.t <= current.far.0.t || same(piece.near.0.t, current.far.0.t, tolerance) {
@@ -113,11 +148,11 @@ impl<S: Copy> Intervals<S> {
     }
 }
 
-/// A piece whose ends know the numbers of their operands.
+/// A piece whose ends know the ranks of their operands.
 #[derive(Clone, Copy)]
 struct Ranked<S> {
-    near: (End<S>, usize),
-    far: (End<S>, usize),
+    near: (End<S>, u32),
+    far: (End<S>, u32),
 }
 
 impl<S: Copy> Ranked<S> {
@@ -251,13 +286,17 @@ impl<S: Copy> Builder<S> {
     }
 
     /// A piece that begins where the last one began or later.
+    #[inline]
     fn add(&mut self, piece: Interval<S>) {
-        match self.list.last() {
-            Some(last) if piece.near.t <= last.far.t && last.far.t > piece.far.t => {}
+        match self.list.last_mut() {
+            Some(last) if piece.near.t <= last.far.t => {
+                if last.far.t <= piece.far.t && piece.near.t < piece.far.t {
+                    last.far = piece.far;
+                }
+            }
             _ => {
                 if piece.near.t < piece.far.t {
-                    self.open(piece.near);
-                    self.close(piece.far);
+                    self.list.push(piece);
                 }
             }
         }
@@ -265,5 +304,57 @@ impl<S: Copy> Builder<S> {
 
     fn list(self) -> Intervals<S> {
         Intervals { list: self.list }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pieces between places of a coarse grid, so that many begin or end together, with the ranks of their operands.
+    fn pieces(seed: u64) -> Vec<(Interval<u32>, u32)> {
+        let mut state = seed;
+        let mut dice = |sides: u64| {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state >> 33) % sides
+        };
+        let end = |t: u64, surface: u32| End { t: t as f64, surface, flipped: false };
+        (0..2 + dice(9) as u32)
+            .map(|rank| {
+                let near = dice(12);
+                let far = near + 1 + dice(4);
+                (Interval { near: end(near, rank), far: end(far, rank) }, rank)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_union_does_not_depend_on_the_order_in_which_its_pieces_are_gathered() {
+        for seed in 0..2000 {
+            let mut pieces = pieces(seed);
+            let lists: Vec<_> = pieces.iter().map(|it| Intervals::of_sorted([it.0])).collect();
+            let expected = Intervals::union_of(&lists, 0.0);
+            for _ in 0..pieces.len() {
+                pieces.rotate_left(1);
+                pieces.swap(0, 1);
+                let mut gathered = Gathered::new();
+                pieces.iter().for_each(|(piece, rank)| gathered.add(*piece, *rank));
+                assert_eq!(gathered.union(0.0), expected, "{pieces:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_beyond_a_stretch_changes_nothing_in_it() {
+        for seed in 0..2000 {
+            let lists: Vec<_> = pieces(seed).iter().map(|it| Intervals::of_sorted([it.0])).collect();
+            let stretch = (4.5, 8.5);
+            let near: Vec<_> = lists.iter().map(|it| it.clone().within(stretch)).collect();
+            let inside = |it: Intervals<u32>| {
+                let ends = it.as_slice().iter().flat_map(|it| [it.near, it.far]).collect::<Vec<_>>();
+                ends.into_iter().filter(|it| it.t > stretch.0 && it.t < stretch.1).collect::<Vec<_>>()
+            };
+            assert_eq!(inside(Intervals::union_of(&near, 0.0)), inside(Intervals::union_of(&lists, 0.0)), "{lists:?}");
+        }
     }
 }

@@ -31,6 +31,7 @@ pub use chord::{Chord, Chords, Crossing, Crossings};
 pub(crate) use convex::{Convex, FACE, Lines, Pieces, Pierced, Side};
 pub use convex_set::{ConvexSet, MOST_PLANES, Plane};
 pub(crate) use eigen::eigen;
+pub(crate) use intervals::Gathered;
 pub use intervals::{End, Interval, Intervals};
 pub use joint::{Joint, Joints, Part};
 pub(crate) use levels::{Detail, Family};

@@ -6,15 +6,15 @@ use smallvec::SmallVec;
 
 use super::ask::{Ask, Mark, NONE};
 use super::boxes::{BoxRay, lanes_of};
-use super::cell::{Boolean, Cell, Grain, Instance, Leaf, Named, Ref, Union};
+use super::cell::{Boolean, Cell, Grain, Instance, Leaf, LeafShape, Named, Ref, Union};
 use super::deep::deeper;
 use super::ray::{Local, Steps};
 use super::store::Generation;
 use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{End, Interval, Intervals, Primitive};
-use crate::lanes::Kernel;
+use crate::geometry::{End, FACE, Gathered, Interval, Intervals, Pierced, Primitive, Side};
+use crate::lanes::{Kernel, One};
 
 /// The pieces of a ray inside something.
 pub(super) type Line = Intervals<Mark>;
@@ -41,8 +41,11 @@ pub(super) struct Place<'c> {
     pub(super) unit: f64,
 }
 
-/// The stretch of a ray that is asked for.
+/// The stretch of a ray that is asked for: pieces are right in there, and may begin and end anywhere else where they go on beyond it.
 type Range = (f64, f64);
+
+/// What ends a search early. A fault as such is large, and would be moved about with every line.
+type Stop = Box<Fault>;
 
 /// The search for pieces along one ray.
 pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
@@ -62,18 +65,18 @@ impl<'c> Place<'c> {
 
 impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     /// The pieces inside a Boolean.
-    pub(super) fn boolean(&mut self, place: &Place, boolean: &Boolean, range: Range) -> Result<Line, Fault> {
+    pub(super) fn boolean(&mut self, place: &Place, boolean: &Boolean, range: Range) -> Result<Line, Stop> {
         let mut operands = boolean.operands.clone();
         let tolerance = boolean.tolerance;
         let Some(first) = operands.next() else {
             return Ok(Line::empty());
         };
-        let mut line = self.union(place, first, range, tolerance)?;
+        let mut line = self.union(place, first, range, tolerance)?.within(range);
         for operand in operands {
             let (Some(start), Some(end)) = (line.as_slice().first(), line.as_slice().last()) else {
                 break;
             };
-            let range = (start.near.t - tolerance, end.far.t + tolerance);
+            let range = (range.0.max(start.near.t - tolerance), range.1.min(end.far.t + tolerance));
             let other = self.union(place, operand, range, tolerance)?;
             line = if boolean.difference {
                 line.difference(&other, tolerance)
@@ -86,28 +89,25 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     }
 
     /// The pieces inside a union of a cell.
-    fn union(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Fault> {
+    fn union(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Stop> {
         let union = &place.cell.unions[number as usize];
         if let (None, [only]) = (union.root, &*union.always) {
             return self.member(place, *only, range, tolerance);
         }
-        let mut members = self.members(place, union, range)?;
-        // Coincident surfaces are the first one's.
-        members.sort_by_key(|it| first_part(place.cell, *it));
-        let mut lines: SmallVec<[Line; 4]> = SmallVec::new();
-        for member in members {
-            let line = self.member(place, member, range, tolerance)?;
-            if !line.is_empty() {
-                lines.push(line);
-            }
+        let mut gathered = Gathered::new();
+        for member in self.members(place, union, range)? {
+            // Coincident surfaces are the first one's.
+            let rank = first_part(place.cell, member);
+            let line = self.member(place, member, range, tolerance)?.within(range);
+            gathered.extend(line.as_slice(), rank);
         }
-        let line = if lines.len() == 1 { lines.swap_remove(0) } else { Line::union_of(&lines, tolerance) };
+        let line = gathered.union(tolerance);
         self.check(&line)?;
         Ok(line)
     }
 
     /// The members of a union whose boxes the ray meets.
-    fn members(&mut self, place: &Place, union: &Union, range: Range) -> Result<SmallVec<[Ref; 16]>, Fault> {
+    fn members(&mut self, place: &Place, union: &Union, range: Range) -> Result<SmallVec<[Ref; 16]>, Stop> {
         let mut members: SmallVec<[Ref; 16]> = SmallVec::from_slice(&union.always);
         let mut nodes: SmallVec<[u32; 16]> = union.root.into_iter().collect();
         let tracing = self.tracing;
@@ -129,7 +129,7 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         Ok(members)
     }
 
-    fn member(&mut self, place: &Place, member: Ref, range: Range, tolerance: f64) -> Result<Line, Fault> {
+    fn member(&mut self, place: &Place, member: Ref, range: Range, tolerance: f64) -> Result<Line, Stop> {
         self.ask.step(self.tracing.store.limits.steps)?;
         match member.named() {
             Named::Leaf(number) => self.leaf(place, &place.cell.leaves[number as usize]),
@@ -139,25 +139,34 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         }
     }
 
-    fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Fault> {
+    fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Stop> {
         if !leaf.solid {
             let origin = place.cell.parts[leaf.part as usize].origin;
-            return Err(Fault::new(FaultKind::Open(place.cell.with_primitive(leaf, Primitive::kind)), origin));
+            return Err(Fault::new(FaultKind::Open(place.cell.with_primitive(leaf, Primitive::kind)), origin).into());
         }
         // A Boolean that a ray goes through is not asked at all.
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
-        let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face: leaf.marked(face) };
+        if let (LeafShape::Convex(convex), None, true) = (leaf.shape, from, place.ray.is_tame()) {
+            let pieces = convex.pieces(One::new(), &place.ray.lines(&leaf.leaf_from_cell));
+            if !pieces.odd.value {
+                let end =
+                    |side: Side<One>| End { t: side.t.value, surface: mark((side.face / FACE) as u32), flipped: false };
+                let piece = pieces.met.value.then(|| Interval { near: end(pieces.near), far: end(pieces.far) });
+                return Ok(Line::of_sorted(piece));
+            }
+        }
+        let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }
 
-    fn instance(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Fault> {
+    fn instance(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Stop> {
         let instance = &place.cell.instances[number as usize];
         let part = &place.cell.parts[instance.part as usize];
         let levels = place.levels + part.levels;
         let (store, generation) = (self.tracing.store, self.generation);
         let step = || store.step(generation, instance.state, part.origin);
-        let led = |fault| super::store::led_by(fault, std::iter::once(step()));
+        let led = |fault: Stop| Stop::from(super::store::led_by(*fault, std::iter::once(step())));
         let position = place.position + 1;
         let from = if place.from == instance.part { self.ask.start_part(position) } else { NONE };
         // Boxes are always met from the point nearest the centre.
@@ -168,7 +177,11 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         if instance.hyper.as_ref().is_some_and(|it| near.between(it).is_none()) {
             return Ok(Line::empty());
         }
-        let boxes = BoxRay::new(near.origin, near.direction);
+        let boxes = if instance.way.is_straight() {
+            place.boxes.moved(near.origin)
+        } else {
+            BoxRay::new(near.origin, near.direction)
+        };
         let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_at_start(&instance.way) };
         let shift = if from == NONE { 0.0 } else { near.own(0.0) };
         let trail = self.ask.notes.trails.on(place.trail, instance.part);
@@ -176,11 +189,11 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels, unit };
         let range = (steps.inwards(range.0), steps.inwards(range.1));
         let tolerance = steps.length_inwards(tolerance);
-        let line = match store.cell(generation, instance.state, Grain::Fine).map_err(led)? {
+        let line = match store.cell(generation, instance.state, Grain::Fine).map_err(|it| led(it.into()))? {
             Some(cell) => self.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?,
             None => {
                 let apart = generation.apart(instance.state);
-                let Some(cell) = store.cell(&apart, super::ROOT, Grain::Fine).map_err(led)? else {
+                let Some(cell) = store.cell(&apart, super::ROOT, Grain::Fine).map_err(|it| led(it.into()))? else {
                     return Ok(Line::empty());
                 };
                 let mut pieces = Pieces { tracing: self.tracing, generation: &apart, ask: &mut *self.ask };
@@ -191,17 +204,18 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
     }
 
     /// The pieces inside a whole cell.
-    fn whole(&mut self, place: &Place, called: Origin, range: Range, tolerance: f64) -> Result<Line, Fault> {
+    fn whole(&mut self, place: &Place, called: Origin, range: Range, tolerance: f64) -> Result<Line, Stop> {
         self.ask.cells += 1;
         self.tracing.check_depth(place.levels + place.cell.levels, called)?;
         let (tracing, generation) = (self.tracing, self.generation);
         deeper(self.ask, |ask| Pieces { tracing, generation, ask }.union(place, 0, range, tolerance))
     }
 
-    fn check(&self, line: &Line) -> Result<(), Fault> {
+    fn check(&self, line: &Line) -> Result<(), Stop> {
         let most = self.tracing.store.limits.intervals;
         if line.len() > most as usize {
-            return Err(Fault::new(FaultKind::Limit { limit: Limit::Intervals, most: u64::from(most) }, Origin::NONE));
+            let kind = FaultKind::Limit { limit: Limit::Intervals, most: u64::from(most) };
+            return Err(Fault::new(kind, Origin::NONE).into());
         }
         Ok(())
     }

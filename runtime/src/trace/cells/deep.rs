@@ -16,18 +16,24 @@ const STACK: usize = 4 << 20;
 ///
 /// # Errors
 /// What `go` gives, or the limit of depth if there can be no other stack.
-pub(super) fn deeper<R: Send>(ask: &mut Ask, go: impl FnOnce(&mut Ask) -> Result<R, Fault> + Send) -> Result<R, Fault> {
+pub(super) fn deeper<R: Send, E: From<Fault> + Send>(
+    ask: &mut Ask,
+    go: impl FnOnce(&mut Ask) -> Result<R, E> + Send,
+) -> Result<R, E> {
     ask.nested += 1;
     let result = if ask.nested.is_multiple_of(ON_ONE_STACK) { on_another_stack(ask, go) } else { go(ask) };
     ask.nested -= 1;
     result
 }
 
-fn on_another_stack<R: Send>(ask: &mut Ask, go: impl FnOnce(&mut Ask) -> Result<R, Fault> + Send) -> Result<R, Fault> {
+fn on_another_stack<R: Send, E: From<Fault> + Send>(
+    ask: &mut Ask,
+    go: impl FnOnce(&mut Ask) -> Result<R, E> + Send,
+) -> Result<R, E> {
     let most = u64::from(ask.nested);
     thread::scope(|scope| {
         let thread = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || go(ask));
         let result = thread.ok().and_then(|it| it.join().ok());
-        result.unwrap_or_else(|| Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most }, Origin::NONE)))
+        result.unwrap_or_else(|| Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most }, Origin::NONE).into()))
     })
 }

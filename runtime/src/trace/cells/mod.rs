@@ -35,6 +35,8 @@ mod workshop;
 pub use state_boxes::Boxes;
 pub use store::Counts;
 
+use glam::DVec3;
+
 use self::ask::{Ask, Found, Girth, NONE, Notes, Question};
 use self::boxes::BoxRay;
 use self::cell::{Cell, Grain};
@@ -49,7 +51,6 @@ use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
 use crate::lanes::{Kernel, Task, dispatch};
 use crate::limits::Limits;
-use glam::DVec3;
 
 /// The number of the scene's state in every generation, and of the state that a generation apart begins with.
 const ROOT: u32 = 0;
@@ -118,9 +119,7 @@ impl Tracer for CellTracer<'_> {
     }
 
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
-        light.clear();
-        light.reserve(beams.len());
-        dispatch(Light { tracer: self, beams, normals: &[], light })
+        self.light_on(beams, &[], light)
     }
 
     fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {

@@ -33,8 +33,8 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
     let (files, mut compiled) = look(file, program, limits)?;
     let idle = treegen_compiler::idle_rules(&compiled);
     compiled.problems.extend(idle);
-    let empty = treegen_compiler::empty_hulls(&compiled, &limits);
-    compiled.problems.extend(empty);
+    let unseen = treegen_compiler::unseen(&compiled, &limits);
+    compiled.problems.extend(unseen);
     treegen_compiler::sort(&mut compiled.problems);
     let Compiled { sources, mut scene, mut problems, vocabulary, .. } = compiled;
     if program.deny == Some(Deny::Warnings) && !problems.is_empty() {

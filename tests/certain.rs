@@ -1,5 +1,5 @@
 //! What `check` finds without a picture: the faults that a picture would meet, where no draw decides them, and hulls that have nothing
-//! in them.
+//! in them, and segments that are never seen.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use common::compiled;
-use treegen_compiler::{Problem, certain_faults, empty_hulls, problem_of_fault, show};
+use treegen_compiler::{Problem, certain_faults, problem_of_fault, show, unseen};
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
@@ -101,7 +101,7 @@ fn slab(floor_and_ceiling: &str) -> String {
 fn a_hull_with_nothing_in_it_is_warned_of() {
     let warned = |walk: &str| {
         let compiled = compiled(&slab(walk));
-        empty_hulls(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
+        unseen(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
     };
     assert_eq!(warned("[ normal(1) ] [ move(0, 0, 3) rotx(180) normal(1) ]"), ["W0010"]);
     // A flat one, a thin one and a usual one have something in them.
@@ -111,5 +111,34 @@ fn a_hull_with_nothing_in_it_is_warned_of() {
         "[ normal(1) ] [ rotx(180) normal(1) ]",
     ] {
         assert_eq!(warned(walk), Vec::<&str>::new(), "{walk}");
+    }
+}
+
+#[test]
+fn a_segment_that_is_always_left_out_is_warned_of() {
+    let warned = |walk: &str| {
+        let compiled = compiled(&format!("shape A(n = 0, len = 1) {{ start {walk} segment(1, .1, .1); }}"));
+        let found = unseen(&compiled, &Limits::default());
+        found.iter().map(|it| (it.code, compiled.sources.text(it.labels[0].span).to_owned())).collect::<Vec<_>>()
+    };
+    for walk in [
+        "segment(0, 1, 1)",
+        "segment(len, 0, 0)",
+        "segment(n, .1, .2)",
+        "segment(n * random(0, 1), .1, .2)",
+        "segment(floor(len / 2), .1, .1)",
+    ] {
+        assert_eq!(warned(&format!("move(1, 0, 0) {walk}")), [("W0011", walk.to_owned())], "{walk}");
+    }
+    // What is seen somewhere, or with some luck.
+    for walk in [
+        "segment(1e-9, .1, .1)",
+        "segment(len, 0, .1)",
+        "repeat 3 as i { segment(i, .1, .1) }",
+        "segment(1, random(0, .1), 0)",
+        "segment(if chance(.5) then 1 else 0, .1, .1)",
+        "if n > 0 { segment(0, .1, .1) }",
+    ] {
+        assert_eq!(warned(walk), [], "{walk}");
     }
 }

@@ -44,7 +44,7 @@ pub use vocabulary::Vocabulary;
 
 use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::mesh::LeftOut;
-use treegen_runtime::{Fault, Limits};
+use treegen_runtime::{Fault, Limits, Unseen};
 
 use lower::code::Values;
 
@@ -148,10 +148,14 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     problems
 }
 
-/// Warnings about hulls that have nothing in them, whatever is drawn.
-pub fn empty_hulls(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
-    let hulls = compiled.scene.iter().flat_map(|it| treegen_runtime::empty_hulls(it, limits));
-    hulls.filter_map(words::fault::span).map(words::warnings::empty_hull).collect()
+/// Warnings about what is laid down and never seen, whatever is drawn: hulls that have nothing in them, and segments without length or
+/// thickness.
+pub fn unseen(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
+    let Some(scene) = &compiled.scene else { return Vec::new() };
+    let Unseen { hulls, segments } = treegen_runtime::unseen(scene, limits);
+    let hulls = hulls.into_iter().filter_map(words::fault::span).map(words::warnings::empty_hull);
+    let segments = segments.into_iter().filter_map(words::fault::span).map(words::warnings::unseen_segment);
+    hulls.chain(segments).collect()
 }
 
 /// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.

@@ -8,7 +8,7 @@ use common::{Builder, Dice, is_steady, numbers, slot_and};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use treegen_runtime::form::{
-    Background, BinaryOp, Camera, Lens, Material, NodeId, PrimitiveKind, Scene, Sky, Slot, Sun, TransformKind,
+    Background, BinaryOp, Camera, Lens, Material, Node, NodeId, PrimitiveKind, Scene, Sky, Slot, Sun, TransformKind,
 };
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::mesh::StemSurface;
@@ -42,8 +42,8 @@ fn camera(dice: &mut Dice, lens: Lens) -> Camera {
     Camera { eye: way * 5.0, target: DVec3::ZERO, up: DVec3::Z, lens }
 }
 
-/// A ground and some primitives of every kind, in modules that are laid down several times; no Booleans, and nothing inside of which the
-/// camera is.
+/// A ground and some primitives of every kind, alone and in Booleans, in modules that are laid down several times; nothing inside of which
+/// the camera is.
 fn scattered(seed: u64, lens: Lens) -> Scene {
     let mut dice = Dice(seed);
     let mut b = Builder::default();
@@ -74,6 +74,10 @@ fn solid(dice: &mut Dice, b: &mut Builder, calls: u32) -> NodeId {
         let call = b.call(calls - 1, slot_and(Slot(0), BinaryOp::Subtract, 1.0));
         return placed(dice, b, call);
     }
+    if dice.below(4) == 0 {
+        let whole = cut(dice, b, calls);
+        return placed(dice, b, whole);
+    }
     let kinds = [
         (PrimitiveKind::Sphere, vec![]),
         (PrimitiveKind::Cylinder, vec![]),
@@ -89,6 +93,31 @@ fn solid(dice: &mut Dice, b: &mut Builder, calls: u32) -> NodeId {
     let leaf = b.primitive(*kind, parameters);
     let leaf = if dice.below(3) == 0 { b.paint(0, leaf) } else { leaf };
     placed(dice, b, leaf)
+}
+
+/// What is left of a ball or a cube in a Boolean with others, painted or not, with modules and Booleans among them.
+fn cut(dice: &mut Dice, b: &mut Builder, calls: u32) -> NodeId {
+    let kinds = [PrimitiveKind::Sphere, PrimitiveKind::Box, PrimitiveKind::Cylinder, PrimitiveKind::Tetrahedron];
+    let first = b.primitive(kinds[dice.below(2)], &[]);
+    let others: Vec<NodeId> = (0..1 + dice.below(2))
+        .map(|_| {
+            let leaf = b.primitive(kinds[dice.below(kinds.len())], &[]);
+            let leaf = if dice.below(2) == 0 { b.paint(1, leaf) } else { leaf };
+            let offset = [dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0)];
+            let moved = b.transform(TransformKind::Move, &offset, leaf);
+            if dice.below(4) == 0 && calls > 0 {
+                let inner = cut(dice, b, calls - 1);
+                return b.union(&[moved, inner]);
+            }
+            moved
+        })
+        .collect();
+    if dice.below(2) == 0 {
+        let all: Vec<NodeId> = std::iter::once(first).chain(others).collect();
+        b.add(Node::Intersect(all.into()))
+    } else {
+        b.add(Node::Difference(first, others.into()))
+    }
 }
 
 fn placed(dice: &mut Dice, b: &mut Builder, body: NodeId) -> NodeId {
@@ -247,6 +276,31 @@ fn a_ground_that_is_very_large_leaves_shadows_as_sharp_as_one_without_an_end() {
     }
 }
 
+#[test]
+fn what_booleans_leave_throws_and_takes_shadows_as_rays_have_it() {
+    // A ground with a bowl in it, and half a ball with a hole above.
+    let ground = |b: &mut Builder| {
+        let (ball, tube) = (b.primitive(PrimitiveKind::Sphere, &[]), b.primitive(PrimitiveKind::Cylinder, &[]));
+        let low = b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, -0.8]);
+        let bowl = b.transform(TransformKind::Move, &[0.4, -0.2, -0.6], ball);
+        let hole = b.transform(TransformKind::Scale, &[0.4, 0.4, 9.0], tube);
+        let half = b.primitive(PrimitiveKind::HalfSpace, &[0.0, 0.0, 1.0, 0.3]);
+        let half = b.add(Node::Intersect([ball, half].into()));
+        let cap = b.add(Node::Difference(half, [hole].into()));
+        let cap = b.transform(TransformKind::Move, &[-0.7, 0.6, 0.4], cap);
+        let hollow = b.add(Node::Difference(low, [bowl].into()));
+        b.union(&[hollow, cap])
+    };
+    let mut tally = Tally::default();
+    for seed in 0..24 {
+        for lens in [Lens::Perspective(40.0), Lens::Orthographic(4.0)] {
+            tally.add(&shadowed_on(seed, lens, ground));
+        }
+    }
+    assert!(tally.different * 1000 < tally.compared, "{tally:?}");
+    assert!(tally.compared > 30_000 && tally.dark > 1_000, "{tally:?}");
+}
+
 /// Thin leaves, with the sun behind them: disks, plates, lenses and triangles.
 fn leaves(seed: u64, lens: Lens) -> Scene {
     let mut dice = Dice(seed);
@@ -324,7 +378,13 @@ fn more_primitives_than_the_limit_are_an_error_before_anything_is_drawn() {
 fn what_cannot_be_drawn_is_told_of() {
     let mut b = Builder::default();
     let (ball, cube) = (b.primitive(PrimitiveKind::Sphere, &[]), b.primitive(PrimitiveKind::Box, &[]));
-    let both = b.add(treegen_runtime::form::Node::Intersect([ball, cube].into()));
+    // It comes back to itself with the same value.
+    let again = b.call(0, numbers(&[1.0]));
+    let smaller = b.transform(TransformKind::UScale, &[0.5], again);
+    let go = b.union(&[ball, smaller]);
+    let endless = b.module(ball, go);
+    let endless = b.call(endless, numbers(&[1.0]));
+    let both = b.add(Node::Intersect([endless, cube].into()));
     let start = b.union(&[both, ball]);
     let scanner = Scanner::new(&b.scene(start), StemSurface::Cones, &Limits::default(), &()).unwrap();
     assert_eq!((scanner.left_out().len(), scanner.primitives()), (1, 1));

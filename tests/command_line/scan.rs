@@ -46,7 +46,10 @@ fn a_drawn_picture_is_near_the_traced_one_and_says_that_it_is_drawn() {
 #[test]
 fn what_is_not_drawn_is_told_of() {
     let folder = Folder::with(&[
-        ("a.tg", "scene { show box & sphere; show sphere; }"),
+        (
+            "a.tg",
+            "scene { show box & Cut(); show sphere; } csg Cut(order = inf) { start S(order); S(c) if c == 0 -> sphere; S(c) -> uscale(.5) S(c - 1); }",
+        ),
         (
             "b.tg",
             "scene { show Cut(); } csg Cut(order = inf) { start S(order); S(c) if c == 0 -> sphere; S(c) -> uscale(.5) S(c - 1); }",
@@ -54,7 +57,7 @@ fn what_is_not_drawn_is_told_of() {
     ]);
     let scan = ["--renderer", "scan"];
     let ran = folder.run(&[&["a.tg", "-o", "a.png"], &scan[..]].concat()).ended(0);
-    ran.saying(&["W0006", "`&`", "`--renderer trace` shows it"]);
+    ran.saying(&["W0006", "`S`", "comes back to itself", "`--renderer trace` shows it"]);
     let ran = folder.run(&[&["b.tg", "-o", "b.png"], &scan[..]].concat()).ended(1);
     ran.saying(&["W0006", "`S`", "comes back to itself", "E1016"]);
     assert_eq!(folder.names(), ["a.png", "a.tg", "b.tg"]);

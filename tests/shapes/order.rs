@@ -124,3 +124,22 @@ fn the_order_decides_no_shape() {
         assert_eq!(sorted(&program(a, b, c)), first);
     }
 }
+
+#[test]
+fn a_choice_follows_from_all_that_its_guards_see() {
+    let text = "shape S { var deep = 0; let most = 2;
+        start { deep = 1 } a(1, 7) { deep = 2 } a(1, 7) { deep = 1 } a(1, 7) a(2, 7) a(1, 8) { deep = 3 } a(1, 7);
+        one: a(n, m) if deep == 1 and n == 1 -> nothing;
+        two: a(n, m) if deep == most -> nothing;
+        three: a(n, m) if m == 7 and deep > most -> nothing;
+        four: a(n, m) -> nothing; }";
+    assert_eq!(derived(text).steps, ["one", "two", "one", "four", "one", "three"]);
+    // With few values choices are remembered; one that stays is as old as it was.
+    let text = "shape S { var deep = 0;
+        start { deep = 1 } a(1) { deep = 2 } a(1) { deep = 1 } a(1) a(2) { deep = 2 } a(1) a(2) { deep = -0 } a(0) { deep = 0 } a(-0);
+        one: a(n) if deep == 1 and n == 1 +> nothing;
+        two: a(n) if deep == 2 -> nothing;
+        three: a(n) if deep == 0 -> nothing;
+        four: a(n) if n == 1 -> nothing; }";
+    assert_eq!(derived(text).steps, ["one", "four", "two", "one", "four", "two", "two", "three", "three"]);
+}

@@ -171,3 +171,22 @@ fn light_goes_through_the_whole_of_a_stem() {
         assert!(lit(&through, false) * 2 < met.len() - count);
     }
 }
+
+#[test]
+fn a_stem_that_is_larger_than_its_share_of_memory_is_made_once_and_seen_the_same() {
+    let text = "shape Vine(turn = 7) { start repeat 4000 as i { rotx(30 * sin(i)) roty(turn * cos(i / 9)) segment(.2, .05, .05) }; }
+        csg Two { start Vine() | move(1, 0, 0) Vine(turn: 9); } scene { show Two(); }";
+    let scene = scene(text);
+    let rich = CellTracer::new(&scene, &Limits::default(), Culling::State).expect("no fault");
+    let poor = Limits { cell_bytes: 1 << 20, ..Limits::default() };
+    let poor = CellTracer::new(&scene, &poor, Culling::State).expect("no fault");
+    let expected = look(&rich);
+    assert!(expected.iter().flatten().count() > 200);
+    for _ in 0..3 {
+        let again = look(&poor);
+        assert!(again.iter().zip(&expected).all(|(a, b)| same(a, b)));
+    }
+    // That of the scene, those of both stems, and what they look like from far away.
+    let counts = poor.counts();
+    assert!(rich.counts().cell_bytes > 1 << 20 && counts.built <= 4, "{counts:?}");
+}

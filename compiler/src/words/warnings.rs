@@ -95,3 +95,9 @@ pub(crate) fn empty_hull(span: Span) -> Problem {
     Problem::warning("W0010", "this hull is empty", span, "nothing lies behind all of its planes")
         .note("a plane keeps the side that its walk stands on")
 }
+
+/// A segment that is always left out.
+pub(crate) fn unseen_segment(span: Span) -> Problem {
+    Problem::warning("W0011", "this segment is never seen", span, "it has no length, or no thickness at either end")
+        .note("`move(0, 0, length)` goes on without a segment")
+}

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::eval::{angle_between, matrix, rotation, sin_cos};
+use crate::eval::{angle_between, matrix, rotation, rotation_by, sin_cos};
 use crate::form::TransformKind;
 
 /// Where a walk is, how it is turned, and how large things are there; all in the system's own space.
@@ -19,6 +19,9 @@ pub(super) struct Frame {
     /// The whole linear map, where it is more than the axes and the factor.
     uneven: Option<Box<DMat3>>,
 }
+
+/// Sines of differences of angles that no rounding makes.
+const CERTAIN: f64 = 1e-9;
 
 /// How much larger or smaller than 1 the factor may become: its third power must be a number that can be divided by.
 const MOST_FACTOR: f64 = 1e100;
@@ -129,7 +132,10 @@ impl Frame {
             return true;
         }
         let axis = if sin == 0.0 { self.axes.x_axis } else { across / sin };
-        let turn = rotation(axis, most.min(angle_between(sin, cos)));
+        // Mostly the direction is further away than it may turn, and then there is no need to know how far.
+        let limit = sin_cos(most);
+        let is_beyond = most < 180.0 && sin * limit.1 - cos * limit.0 > CERTAIN;
+        let turn = if is_beyond { rotation_by(axis, limit) } else { rotation(axis, most.min(angle_between(sin, cos))) };
         self.axes = turn * self.axes;
         self.uneven = self.uneven.take().map(|it| Box::new(turn * *it));
         true

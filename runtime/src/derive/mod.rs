@@ -8,7 +8,9 @@
 //! paint and its path. So the order of the derivation decides nothing but where one that is stopped stands.
 
 mod frame;
+mod memo;
 mod packed;
+mod prepared;
 mod queue;
 mod record;
 mod select;
@@ -23,6 +25,7 @@ pub use splitting::Normal;
 use glam::DAffine3;
 
 use self::frame::Frame;
+use self::prepared::Prepared;
 use self::splitting::Splits;
 use self::trail::Ancestry;
 use self::waiting::{Done, Ticket, Waiting};
@@ -43,6 +46,9 @@ pub trait Watcher {
 
     /// A rule was applied, or the start was walked. `values` gives the module's values by number: its parameters, then the state.
     fn applied(&mut self, shape: &Shape, step: &Step, values: &dyn Fn(usize) -> Value);
+
+    /// A segment has no length, or no thickness at either end, and is not laid. This is its place in the text.
+    fn skipped(&mut self, _origin: Origin) {}
 }
 
 /// Someone who takes no notice.
@@ -159,8 +165,7 @@ impl<'g> Deriver<'g> {
 struct Derivation<'d, 'g, W> {
     graph: &'g Graph,
     shape: &'g Shape,
-    /// For each module, its rules by priority.
-    orders: Vec<Vec<u32>>,
+    prepared: Vec<Prepared>,
     machine: &'d mut Machine<'g>,
     env: Env,
     waiting: &'d mut Waiting,
@@ -190,17 +195,14 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
         let Deriver { graph, machine, waiting, ancestry, left } = deriver;
         let shape = graph.shape(shape);
         let most_params = shape.modules.iter().map(|it| it.params.len()).max().unwrap_or(0);
-        waiting.reset(most_params + shape.state.len(), machine.limits().modules);
+        let priorities = prepared::priorities(shape);
+        waiting.reset(most_params + shape.state.len(), priorities.len(), machine.limits().modules);
         ancestry.reset();
-        let orders = shape.modules.iter().map(|module| {
-            let mut order: Vec<u32> = (0..module.rules.len() as u32).collect();
-            order.sort_by_key(|it| module.rules[*it as usize].priority);
-            order
-        });
+        let prepared = shape.modules.iter().map(|it| Prepared::new(it, shape, &priorities));
         Self {
             graph,
             shape,
-            orders: orders.collect(),
+            prepared: prepared.collect(),
             env: env.clone(),
             waiting,
             operations: machine.operations(),
@@ -316,18 +318,18 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
     /// Lets a module wait for the rule that applies to it next; if none does it has stopped growing.
     fn enlist(&mut self, ticket: Ticket) -> Result<(), Fault> {
         let laid = self.waiting.get(ticket);
-        let module = &self.shape.modules[laid.module.0 as usize];
+        let number = laid.module.0 as usize;
+        let module = &self.shape.modules[number];
         // Most modules have one rule that always applies.
         let is_plain = module.rules.len() == 1 && module.rules[0].guard.is_none() && matches!(laid.done, Done::None);
         let chosen = if is_plain && module.choice == Choice::First {
             Some(0)
         } else {
-            self.see(ticket);
             self.choose(ticket).map_err(|it| self.led_to(ticket, it))?
         };
         match chosen {
             Some(rule) if self.splits.is_some() => self.wait_for_split(ticket, rule),
-            Some(rule) => self.waiting.wait(ticket, rule, module.rules[rule as usize].priority),
+            Some(rule) => self.waiting.wait(ticket, rule, self.prepared[number].ranks[rule as usize]),
             None => return self.settle(ticket),
         }
         Ok(())
@@ -347,10 +349,7 @@ impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
     /// Makes expressions see what a module took along.
     fn see(&mut self, ticket: Ticket) {
         let laid = self.waiting.get(ticket);
-        let params = &self.shape.modules[laid.module.0 as usize].params;
-        for (number, slot) in params.iter().chain(&self.shape.state).enumerate() {
-            self.waiting.put_value(ticket, number, &mut self.env.slots[usize::from(slot.0)]);
-        }
+        self.waiting.put_values(ticket, &self.prepared[laid.module.0 as usize].slots, &mut self.env.slots);
         self.env.path = laid.path;
         self.env.turn = 0;
     }

@@ -1,6 +1,6 @@
 //! The values that modules took along, kept small: nearly all are numbers.
 
-use crate::form::Value;
+use crate::form::{Slot, Value};
 
 /// A table of rows of values, all of one length.
 #[derive(Debug, Default)]
@@ -52,19 +52,27 @@ impl Table {
         }
     }
 
+    /// A row as it is kept: equal cells stand for equal values.
+    pub(super) fn row(&self, row: usize) -> &[f64] {
+        &self.cells[row * self.width..][..self.width]
+    }
+
     /// The value in a column of a row.
     pub(super) fn get(&self, row: usize, column: usize) -> Value {
         let cell = self.cells[row * self.width + column];
         if cell.is_nan() { self.other(cell) } else { Value::Number(cell) }
     }
 
-    /// Puts the value in a column of a row into a slot.
+    /// Puts the values of a row, from its beginning, into slots.
     #[inline]
-    pub(super) fn put(&self, row: usize, column: usize, slot: &mut Value) {
-        let cell = self.cells[row * self.width + column];
-        match slot {
-            Value::Number(old) if !cell.is_nan() => *old = cell,
-            _ => *slot = self.get(row, column),
+    pub(super) fn put(&self, row: usize, places: &[Slot], slots: &mut [Value]) {
+        let cells = self.row(row);
+        for (cell, place) in cells.iter().zip(places) {
+            match &mut slots[usize::from(place.0)] {
+                Value::Number(old) if !cell.is_nan() => *old = *cell,
+                slot if cell.is_nan() => *slot = self.other(*cell),
+                slot => *slot = Value::Number(*cell),
+            }
         }
     }
 
@@ -105,10 +113,12 @@ mod tests {
         for row in 0..3 {
             for (column, value) in values.iter().enumerate() {
                 assert_eq!(&table.get(row, column), value);
-                for mut slot in [Value::Number(7.0), Value::Bool(true)] {
-                    table.put(row, column, &mut slot);
-                    assert_eq!(&slot, value);
-                }
+            }
+            let places: Vec<Slot> = (0..values.len() as u16).rev().map(Slot).collect();
+            for before in [Value::Number(7.0), Value::Bool(true)] {
+                let mut slots = vec![before; values.len()];
+                table.put(row, &places, &mut slots);
+                assert!(slots.iter().rev().eq(&values));
             }
         }
     }

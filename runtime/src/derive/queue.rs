@@ -1,16 +1,19 @@
-//! The order of a derivation: by priority, then by age.
+//! The order of a derivation: by rank, which stands for a priority, then by age.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap, VecDeque};
+use std::collections::{BTreeSet, BinaryHeap, VecDeque};
 
-/// Things with a priority and an age, taken out with the smallest priority number first, and among those the oldest.
+/// Things with a rank and an age, taken out with the smallest rank first, and among those the oldest.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
-    /// What waits, by priority.
-    lines: BTreeMap<i32, Line>,
+    /// What waits, by rank.
+    lines: Vec<Line>,
+    /// The ranks in which something waits, and the smallest of them.
+    taken: BTreeSet<u32>,
+    first: Option<u32>,
 }
 
-/// What waits with one priority, each with its age.
+/// What waits with one rank, each with its age.
 ///
 /// Most come in the order in which they leave: they stand in line. Those that came too late for that are kept apart.
 #[derive(Debug, Default)]
@@ -20,33 +23,63 @@ struct Line {
 }
 
 impl Queue {
-    /// Forgets everything.
-    pub(super) fn clear(&mut self) {
-        self.lines.clear();
+    /// Forgets everything. From now on there are so many ranks.
+    pub(super) fn reset(&mut self, ranks: usize) {
+        self.lines.truncate(ranks);
+        self.lines.iter_mut().for_each(Line::clear);
+        self.lines.resize_with(ranks, Line::default);
+        self.taken.clear();
+        self.first = None;
     }
 
     /// Lets something wait. No two have the same age.
-    pub(super) fn push(&mut self, priority: i32, age: u32, thing: u32) {
-        let line = self.lines.entry(priority).or_default();
-        if line.standing.back().is_none_or(|it| it.0 < age) {
-            line.standing.push_back((age, thing));
-        } else {
-            line.late.push(Reverse((age, thing)));
+    pub(super) fn push(&mut self, rank: u32, age: u32, thing: u32) {
+        let line = &mut self.lines[rank as usize];
+        // Lines are seldom empty, so the set is seldom asked.
+        if line.is_empty() {
+            self.taken.insert(rank);
+            self.first = Some(self.first.map_or(rank, |it| it.min(rank)));
         }
+        line.push(age, thing);
     }
 
     /// Takes out what comes next.
     pub(super) fn pop(&mut self) -> Option<u32> {
-        let mut first = self.lines.first_entry()?;
-        let line = first.get_mut();
-        let is_late = match (line.standing.front(), line.late.peek()) {
+        let rank = self.first?;
+        let line = &mut self.lines[rank as usize];
+        let next = line.pop();
+        if line.is_empty() {
+            self.taken.remove(&rank);
+            self.first = self.taken.first().copied();
+        }
+        next
+    }
+}
+
+impl Line {
+    fn clear(&mut self) {
+        self.standing.clear();
+        self.late.clear();
+    }
+
+    fn is_empty(&self) -> bool {
+        self.standing.is_empty() && self.late.is_empty()
+    }
+
+    fn push(&mut self, age: u32, thing: u32) {
+        if self.standing.back().is_none_or(|it| it.0 < age) {
+            self.standing.push_back((age, thing));
+        } else {
+            self.late.push(Reverse((age, thing)));
+        }
+    }
+
+    fn pop(&mut self) -> Option<u32> {
+        let is_late = match (self.standing.front(), self.late.peek()) {
             (Some(standing), Some(Reverse(late))) => late.0 < standing.0,
             (standing, _) => standing.is_none(),
         };
-        let next = if is_late { line.late.pop().map(|it| it.0) } else { line.standing.pop_front() };
-        if line.standing.is_empty() && line.late.is_empty() {
-            first.remove();
-        }
+        let next = if is_late { self.late.pop().map(|it| it.0) } else { self.standing.pop_front() };
         next.map(|it| it.1)
     }
 }
@@ -56,10 +89,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_smallest_priority_comes_first_and_then_the_oldest() {
+    fn the_smallest_rank_comes_first_and_then_the_oldest() {
         // As a plain list that is sorted again at each step has it.
         let mut queue = Queue::default();
-        let mut list: Vec<(i32, u32, u32)> = Vec::new();
+        queue.reset(9);
+        queue.push(3, 0, 0);
+        queue.reset(5);
+        let mut list: Vec<(u32, u32, u32)> = Vec::new();
         let mut number = 1_u32;
         for step in 0..5_000_u32 {
             number = number.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -70,10 +106,10 @@ mod tests {
             } else {
                 // Ages go up for the most part.
                 let age = if number >> 28 & 3 == 0 { step.wrapping_mul(7919) % 5_000 + 10_000 } else { 2 * step };
-                let priority = [i32::MIN, -1, 0, 3, i32::MAX][(number >> 8) as usize % 5];
+                let rank = (number >> 8) % 5;
                 if !list.iter().any(|it| it.1 == age) {
-                    list.push((priority, age, step));
-                    queue.push(priority, age, step);
+                    list.push((rank, age, step));
+                    queue.push(rank, age, step);
                 }
             }
         }

@@ -7,7 +7,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::form::{Choice, Code, Module, Value};
 
 impl<W: Watcher> Derivation<'_, '_, W> {
-    /// The rule that is applied to a module next, what it took along being seen; `None` if none applies.
+    /// The rule that is applied to a module next; `None` if none applies.
     ///
     /// Of its rules those with the smallest priority number are tried first; rules that have been applied to it are passed over.
     pub(super) fn choose(&mut self, ticket: Ticket) -> Result<Option<u32>, Fault> {
@@ -15,8 +15,14 @@ impl<W: Watcher> Derivation<'_, '_, W> {
         let module = &self.shape.modules[number];
         match &module.choice {
             Choice::First => self.choose_first(module, number, ticket),
-            Choice::Weighted(place) => self.choose_by_weight(module, number, ticket, *place),
-            Choice::Function(code) => self.choose_by_function(module, ticket, code),
+            Choice::Weighted(place) => {
+                self.see(ticket);
+                self.choose_by_weight(module, number, ticket, *place)
+            }
+            Choice::Function(code) => {
+                self.see(ticket);
+                self.choose_by_function(module, ticket, code)
+            }
         }
     }
 
@@ -30,13 +36,36 @@ impl<W: Watcher> Derivation<'_, '_, W> {
     }
 
     fn choose_first(&mut self, module: &Module, number: usize, ticket: Ticket) -> Result<Option<u32>, Fault> {
-        let order = &self.orders[number];
+        let order = &self.prepared[number].rules;
         // Guards are pure: those before the rule that was applied last have failed, and would again.
         let last = self.done(ticket).last().and_then(|last| order.iter().position(|it| it == last));
-        for rule in &order[last.map_or(0, |it| it + 1)..] {
-            let guard = &module.rules[*rule as usize].guard;
+        let passed = last.map_or(0, |it| it + 1);
+        let Some(first) = order.get(passed) else { return Ok(None) };
+        if module.rules[*first as usize].guard.is_none() {
+            return Ok(Some(*first));
+        }
+        let memo = &self.prepared[number].memo;
+        let key = memo.as_ref().map(|it| it.key(self.waiting.kept_values(ticket), passed));
+        if let (Some(memo), Some(key)) = (memo, &key)
+            && let Some(chosen) = memo.get(key)
+        {
+            return Ok(chosen);
+        }
+        self.see(ticket);
+        let chosen = self.first_that_holds(module, number, passed)?;
+        if let (Some(memo), Some(key)) = (&mut self.prepared[number].memo, key) {
+            memo.put(key, chosen);
+        }
+        Ok(chosen)
+    }
+
+    /// The first of a module's rules whose guard holds, so many passed over.
+    fn first_that_holds(&mut self, module: &Module, number: usize, passed: usize) -> Result<Option<u32>, Fault> {
+        for at in passed..module.rules.len() {
+            let rule = self.prepared[number].rules[at];
+            let guard = &module.rules[rule as usize].guard;
             if guard.as_ref().map_or(Ok(true), |it| self.machine.holds(it, &mut self.env))? {
-                return Ok(Some(*rule));
+                return Ok(Some(rule));
             }
         }
         Ok(None)
@@ -51,7 +80,7 @@ impl<W: Watcher> Derivation<'_, '_, W> {
     ) -> Result<Option<u32>, Fault> {
         let done = self.done(ticket).to_vec();
         let same_priority = |a: &u32, b: &u32| module.rules[*a as usize].priority == module.rules[*b as usize].priority;
-        for group in self.orders[number].chunk_by(same_priority) {
+        for group in self.prepared[number].rules.chunk_by(same_priority) {
             let mut weights = Vec::new();
             for number in group.iter().filter(|it| !done.contains(it)) {
                 let rule = &module.rules[*number as usize];

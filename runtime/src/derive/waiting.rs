@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::packed::Table;
 use super::queue::Queue;
 use crate::eval::Path;
-use crate::form::{MaterialId, ModuleId, StemEnd, Value};
+use crate::form::{MaterialId, ModuleId, Slot, StemEnd, Value};
 
 /// A module that was laid down: all that decides what becomes of it, but its values.
 #[derive(Clone, Debug)]
@@ -60,12 +60,12 @@ const MOST_BYTES: usize = 256 << 20;
 
 impl Waiting {
     /// Forgets everything. From now on modules have so many values each, and there is room for `most`, or for as many as fit into the
-    /// memory that there is for them.
-    pub(super) fn reset(&mut self, values: usize, most: u32) {
+    /// memory that there is for them. Their rules have so many ranks.
+    pub(super) fn reset(&mut self, values: usize, ranks: usize, most: u32) {
         self.modules.clear();
         self.values.reset(values);
         self.free.clear();
-        self.next.clear();
+        self.next.reset(ranks);
         self.most = (most as usize).min(MOST_BYTES / (size_of::<Laid>() + values * size_of::<f64>())).max(1);
     }
 
@@ -107,18 +107,23 @@ impl Waiting {
         self.values.get(ticket.0 as usize, number)
     }
 
-    /// Puts one of the values of a module into a slot.
-    #[inline]
-    pub(super) fn put_value(&self, ticket: Ticket, number: usize, slot: &mut Value) {
-        self.values.put(ticket.0 as usize, number, slot);
+    /// The values of a module as they are kept: equal ones stand for equal values.
+    pub(super) fn kept_values(&self, ticket: Ticket) -> &[f64] {
+        self.values.row(ticket.0 as usize)
     }
 
-    /// Lets a module wait for a rule of this priority.
-    pub(super) fn wait(&mut self, ticket: Ticket, rule: u32, priority: i32) {
+    /// Puts the values of a module into slots, as many as there are places for.
+    #[inline]
+    pub(super) fn put_values(&self, ticket: Ticket, places: &[Slot], slots: &mut [Value]) {
+        self.values.put(ticket.0 as usize, places, slots);
+    }
+
+    /// Lets a module wait for a rule of this rank: those of smaller ones come first.
+    pub(super) fn wait(&mut self, ticket: Ticket, rule: u32, rank: u32) {
         let laid = self.get_mut(ticket);
         laid.rule = rule;
         let number = laid.number;
-        self.next.push(priority, number, ticket.0);
+        self.next.push(rank, number, ticket.0);
     }
 
     /// Forgets a module.
@@ -151,7 +156,7 @@ mod tests {
             done: Done::None,
         };
         let mut waiting = Waiting::default();
-        waiting.reset(2, 1);
+        waiting.reset(2, 1, 1);
         let values = [Value::Number(1.0), Value::Bool(true)];
         let first = waiting.add(laid.clone(), values.iter()).expect("there is room for one");
         assert_eq!(waiting.add(laid.clone(), values.iter()), None);
@@ -159,7 +164,7 @@ mod tests {
         assert_eq!(waiting.add(laid, values.iter().rev()), Some(first));
         assert_eq!(waiting.value(first, 0), Value::Bool(true));
         // Values take room too.
-        waiting.reset(1_000_000, u32::MAX);
+        waiting.reset(1_000_000, 1, u32::MAX);
         assert!(waiting.most() < 100);
     }
 }

@@ -134,6 +134,7 @@ impl<'g, W: Watcher> Derivation<'_, 'g, W> {
         let factor = here.frame.factor();
         // What has no length or no surface cannot be seen.
         if here.frame.position == start || (r0 * factor == 0.0 && r1 * factor == 0.0) {
+            self.watcher.skipped(origin);
             return Ok(());
         }
         let most = self.machine.limits().segments;

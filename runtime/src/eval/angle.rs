@@ -21,13 +21,8 @@ fn nearest(number: f64) -> i32 {
     let whole = number as i32;
     // Exact, since both are near each other.
     let rest = number - f64::from(whole);
-    if rest >= 0.5 {
-        whole + 1
-    } else if rest <= -0.5 {
-        whole - 1
-    } else {
-        whole
-    }
+    // Either is as likely, so nothing is jumped over.
+    whole + i32::from(rest >= 0.5) - i32::from(rest <= -0.5)
 }
 
 /// The angle in degrees whose sine is `x`; no number unless -1 <= x <= 1.

@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 
 use super::path::mix;
+use super::program::{Draft, NumberOp, Operand, Place, Program};
 use crate::form::{BinaryOp, Builtin, Code, Draw, Op, Reg, Slot, UnaryOp, Value, Vector};
 
 /// A code, with its program if it has one.
@@ -15,63 +16,6 @@ use crate::form::{BinaryOp, Builtin, Code, Draw, Op, Reg, Slot, UnaryOp, Value, 
 pub struct Formula {
     code: Code,
     program: Option<Program>,
-}
-
-/// A code of numbers, without loops, which assigns nothing until its end. It either assigns or has results.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Program {
-    /// What to do, in order. No register is read before it was written.
-    pub(super) ops: Vec<NumberOp>,
-    /// How many registers it needs.
-    pub(super) registers: u16,
-    /// Numbers of the text.
-    pub(super) constants: Vec<f64>,
-    /// Where the results are.
-    pub(super) results: Vec<Place>,
-    /// What is put into slots at the end, in order.
-    pub(super) stores: Vec<(Slot, Place)>,
-    /// For each draw its site, the hash of the places around it, and that of the site and its own place.
-    pub(super) draws: Vec<(u64, u64)>,
-}
-
-/// Where a number is found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Operand {
-    Register(u16),
-    Slot(u16),
-    Constant(u16),
-}
-
-/// Where a value is found, and whether it is a truth value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
-    pub(super) operand: Operand,
-    pub(super) is_truth: bool,
-}
-
-/// One operation of a [`Program`]. The first number names the register that it writes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum NumberOp {
-    Copy(u16, Operand),
-    /// A part of the vector that a slot holds.
-    Part(u16, Slot, u8),
-    /// An element of the list that a slot holds.
-    Element(u16, Slot, Operand),
-    Negate(u16, Operand),
-    Not(u16, Operand),
-    Add(u16, Operand, Operand),
-    Subtract(u16, Operand, Operand),
-    Multiply(u16, Operand, Operand),
-    Divide(u16, Operand, Operand),
-    /// Another operator.
-    Binary(u16, BinaryOp, Operand, Operand),
-    /// A function of up to three numbers.
-    Builtin(u16, Builtin, u8, [Operand; 3]),
-    /// A draw with two parameters, and its number among the draws.
-    Draw(u16, Draw, Operand, Operand, u16),
-    Jump(u32),
-    JumpIf(Operand, u32),
-    JumpUnless(Operand, u32),
 }
 
 impl Formula {
@@ -117,7 +61,7 @@ enum Known {
 
 /// Writes the program of a code.
 struct Writer {
-    program: Program,
+    program: Draft,
     known: Vec<Known>,
     /// What is known when an operation is jumped to, by its number.
     jumped: BTreeMap<u32, Vec<Known>>,
@@ -129,7 +73,7 @@ struct Writer {
 
 impl Writer {
     fn write(code: &Code) -> Option<Program> {
-        let program = Program { registers: code.registers, ..Program::default() };
+        let program = Draft { registers: code.registers, ..Draft::default() };
         let known = vec![Known::Nothing; usize::from(code.registers)];
         let mut writer = Self { program, known, jumped: BTreeMap::new(), is_reached: true, sites: Vec::new() };
         let mut starts = Vec::with_capacity(code.ops.len() + 1);
@@ -146,7 +90,8 @@ impl Writer {
         }
         writer.land(&starts)?;
         // Whoever takes the results may still leave them to the code, and then nothing may have been assigned.
-        (writer.program.stores.is_empty() || writer.program.results.is_empty()).then_some(writer.program)
+        let is_one = writer.program.stores.is_empty() || writer.program.results.is_empty();
+        if is_one { writer.program.program() } else { None }
     }
 
     /// Takes into account what jumps to this operation.
@@ -175,22 +120,16 @@ impl Writer {
         Some(())
     }
 
-    fn push(&mut self, op: NumberOp) {
+    fn push(&mut self, op: NumberOp<Operand>) {
         self.program.ops.push(op);
     }
 
-    fn constant(&mut self, number: f64) -> Option<Operand> {
-        let place = u16::try_from(self.program.constants.len()).ok()?;
-        self.program.constants.push(number);
-        Some(Operand::Constant(place))
-    }
-
     /// Where the number that a register stands for is found.
-    fn number(&mut self, reg: Reg) -> Option<Operand> {
+    fn number(&self, reg: Reg) -> Option<Operand> {
         match *self.known.get(usize::from(reg.0))? {
             Known::Number => Some(Operand::Register(reg.0)),
-            Known::Slot(slot) => Some(Operand::Slot(slot.0)),
-            Known::Constant(number) => self.constant(number),
+            Known::Slot(slot) => Some(Operand::Slot(slot)),
+            Known::Constant(number) => Some(Operand::Constant(number)),
             Known::Nothing | Known::Truth | Known::Vector(_) => None,
         }
     }
@@ -199,7 +138,7 @@ impl Writer {
         (self.known.get(usize::from(reg.0))? == &Known::Truth).then_some(Operand::Register(reg.0))
     }
 
-    fn place(&mut self, reg: Reg) -> Option<Place> {
+    fn place(&self, reg: Reg) -> Option<Place<Operand>> {
         match self.truth(reg) {
             Some(operand) => Some(Place { operand, is_truth: true }),
             None => Some(Place { operand: self.number(reg)?, is_truth: false }),
@@ -230,8 +169,7 @@ impl Writer {
         match op {
             Op::Constant(to, Value::Number(number)) => self.set(*to, Known::Constant(*number)),
             Op::Constant(to, Value::Bool(truth)) => {
-                let operand = self.constant(f64::from(u8::from(*truth)))?;
-                self.push(NumberOp::Copy(to.0, operand));
+                self.push(NumberOp::Copy(to.0, Operand::Constant(f64::from(u8::from(*truth)))));
                 self.set(*to, Known::Truth)
             }
             Op::Constant(to, Value::Vector(vector)) => self.set(*to, Known::Vector(*vector)),
@@ -297,7 +235,7 @@ impl Writer {
     }
 
     /// Where a slot's new value is, if it has been assigned.
-    fn stored(&self, slot: Slot) -> Option<Place> {
+    fn stored(&self, slot: Slot) -> Option<Place<Operand>> {
         self.program.stores.iter().rev().find(|it| it.0 == slot).map(|it| it.1)
     }
 
@@ -367,7 +305,7 @@ impl Writer {
     }
 
     fn builtin(&mut self, to: Reg, builtin: Builtin, args: &[Reg]) -> Option<()> {
-        let mut operands = [Operand::Constant(0); 3];
+        let mut operands = [Operand::Constant(0.0); 3];
         if args.len() > operands.len() || matches!(builtin, Builtin::Rand | Builtin::Noise) {
             return None;
         }

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::formula::{Formula, Place, Program};
+use super::formula::Formula;
 use super::operation::{self, Failure};
-use super::path::mix;
+use super::path::{mix, spread};
+use super::program::{MOST_REGISTERS, Place, Program, Registers};
 use super::quick::{self, Plain};
-use super::{Env, random};
+use super::{Env, Path, random};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{Builtin, Code, Function, FunctionId, Op, Origin, Reg, Value};
 use crate::limits::Limits;
@@ -28,7 +29,9 @@ pub struct Machine<'g> {
     /// The registers of the code that is run, and of each function inside it, the innermost last.
     frames: Vec<Vec<Value>>,
     /// The registers of programs of numbers.
-    numbers: Vec<f64>,
+    numbers: Box<Registers>,
+    /// Where the last program drew.
+    spot: Spot,
     /// Operations done since the outermost run began.
     operations: u64,
     /// Operations done in all runs before.
@@ -72,7 +75,8 @@ impl<'g> Machine<'g> {
             seed,
             limits: *limits,
             frames: vec![Vec::new()],
-            numbers: Vec::new(),
+            numbers: Box::new([0.0; MOST_REGISTERS]),
+            spot: Spot::of(&Env::default()),
             operations: 0,
             before: 0,
         }
@@ -118,31 +122,27 @@ impl<'g> Machine<'g> {
     /// A number in [0, 1) for the draw at `place` in an environment.
     #[inline]
     pub(crate) fn draw(&self, env: &Env, site: u64, place: u64) -> f64 {
-        drawn(self.seed, env, (site, mix(site, place)))
+        Spot::of(env).drawn(self.seed, (site, mix(site, place)))
     }
 
     /// Runs the program of a formula if it has one: the program, if it came to its end.
-    #[inline]
+    // Plants are little else, and a call would cost as much as a usual program: so it is a part of whoever runs one.
+    #[inline(always)]
     pub(super) fn run_program<'f>(&mut self, formula: &'f Formula, env: &mut Env) -> Option<&'f Program> {
         let program = formula.program()?;
-        // Many are constants, or what slots hold.
-        if program.ops.is_empty() {
-            return Some(program);
-        }
-        let count = usize::from(program.registers);
-        if self.numbers.len() < count {
-            self.numbers.resize(count, 0.0);
-        }
         self.before += program.ops.len() as u64;
-        let seed = self.seed;
-        let done = quick::run(program, env, &mut self.numbers, |env, site| drawn(seed, env, site));
+        if !program.draws.is_empty() && !self.spot.is_of(env) {
+            self.spot = Spot::of(env);
+        }
+        let Self { seed, spot, numbers, .. } = self;
+        let done = quick::run(program, env, numbers, |site| spot.drawn(*seed, site));
         done.then_some(program)
     }
 
-    /// A number of the program that was run last; `None` if it is none.
+    /// A number of the program that was run last.
     #[inline(always)]
-    pub(super) fn number_at(&self, program: &Program, env: &Env, place: Place) -> Option<f64> {
-        quick::result(program, env, &self.numbers, place)
+    pub(super) fn number_at(&self, place: Place<u8>) -> f64 {
+        self.numbers[usize::from(place.operand) % MOST_REGISTERS]
     }
 
     fn execute(&mut self, code: &Code, env: &mut Env, call: Call<'_>) -> Result<(), Fault> {
@@ -309,11 +309,35 @@ impl<'g> Machine<'g> {
     }
 }
 
-/// A number in [0, 1) for the draw at a site: its hash, and that of the site and the draw's place.
-#[inline]
-fn drawn(seed: u64, env: &Env, (site, there): (u64, u64)) -> f64 {
-    let here = mix(env.turn, site);
-    random::uniform(seed, (mix(mix(env.path.0, here), there), mix(mix(env.path.1, there), here)))
+/// Where draws are made: the path of an environment and its turn, each as it is and spread. Several draws in a row share it.
+#[derive(Clone, Copy, Debug)]
+struct Spot {
+    path: Path,
+    turn: u64,
+    spread: [u64; 3],
+}
+
+impl Spot {
+    #[inline]
+    fn of(env: &Env) -> Self {
+        let Env { path, turn, .. } = *env;
+        Self { path, turn, spread: [path.0, path.1, turn].map(spread) }
+    }
+
+    #[inline]
+    fn is_of(&self, env: &Env) -> bool {
+        self.path == env.path && self.turn == env.turn
+    }
+
+    /// A number in [0, 1) for the draw at a site: its hash, and that of the site and the draw's place.
+    #[inline]
+    fn drawn(&self, seed: u64, (site, there): (u64, u64)) -> f64 {
+        // What is mixed is the first number spread with the second one added, and both spread again.
+        let [first, second, turn] = self.spread;
+        let here = spread(turn.wrapping_add(site));
+        let ways = [mix(spread(first.wrapping_add(here)), there), mix(spread(second.wrapping_add(there)), here)];
+        random::uniform(seed, (ways[0], ways[1]))
+    }
 }
 
 #[inline(always)]

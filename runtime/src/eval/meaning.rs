@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 
 use super::operation;
 use super::path::mix;
-use super::{Env, Machine, Path, angle};
+use super::{Env, Machine, Path, angle, quick};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{
     Call, Choice, Code, Graph, Origin, PrimitiveKind, Reg, Select, Slot, System, SystemCall, TransformKind, Value,
@@ -19,7 +19,7 @@ pub(crate) type Numbers = SmallVec<[f64; 12]>;
 impl Env {
     /// Goes into a copy of a `repeat`.
     pub(crate) fn turn(&mut self, index: Slot, number: u32) {
-        self.slots[usize::from(index.0)] = Value::Number(f64::from(number));
+        quick::put(&mut self.slots[usize::from(index.0)], false, f64::from(number));
         self.turn = mix(self.turn, u64::from(number) + 1);
     }
 
@@ -312,7 +312,11 @@ pub(crate) fn unit(x: f64, y: f64, z: f64) -> Option<DVec3> {
 
 /// The rotation by an angle in degrees about a unit axis (Rodrigues).
 pub(crate) fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
-    let (s, c) = angle::sin_cos(degrees);
+    rotation_by(axis, angle::sin_cos(degrees))
+}
+
+/// The same by an angle of which sine and cosine are known.
+pub(crate) fn rotation_by(axis: DVec3, (s, c): (f64, f64)) -> DMat3 {
     let column = |v: DVec3| v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
 }

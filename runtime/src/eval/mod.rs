@@ -9,6 +9,7 @@ mod noise;
 pub(crate) mod operation;
 mod path;
 mod prepared;
+mod program;
 mod quick;
 mod random;
 
@@ -16,8 +17,8 @@ pub(crate) use angle::{atan2 as angle_between, sin_cos};
 pub use env::Env;
 pub use formula::Formula;
 pub use machine::{Machine, Results};
-pub(crate) use meaning::{drawn, matrix, rotation, trail_step, unit};
-pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise};
+pub(crate) use meaning::{drawn, matrix, rotation, rotation_by, trail_step, unit};
+pub(crate) use noise::{NOISE_VARIANCE, Tangent, gradient_noise, noise_value};
 pub use path::{Path, Place};
 pub(crate) use path::{fraction, mix, spread};
 pub(crate) use random::uniform;

@@ -24,42 +24,104 @@ const SECOND: f64 = 36.0 / 13.0 - 180.0 / 12.0 + 345.0 / 11.0 - 300.0 / 10.0 + 1
 const AXES: [u64; 3] = [0x8a5c_d789_635d_2dff, 0x1215_5b0f_6a1b_c5ab, 0xd1b5_4a32_d192_ed03];
 
 /// Smooth noise at a point, between -1 and 1, 0 at every point of the whole-number lattice. The seed decides the gradients.
-#[inline]
 pub(crate) fn gradient_noise(seed: u64, point: DVec3) -> Tangent {
-    let cell = point.floor();
-    let inside = point - cell;
-    let fade = inside * inside * inside * (inside * (inside * 6.0 - 15.0) + 10.0);
-    let rise = inside * inside * (inside * (inside - 2.0) + 1.0) * 30.0;
-    // Numbers beyond those of 64 bits have no places between them where noise would differ.
-    let first: [u64; 3] = std::array::from_fn(|axis| (cell[axis] as i64 as u64).wrapping_mul(AXES[axis]));
+    let cell = Cell::of(seed, point);
+    let rise = cell.inside * cell.inside * (cell.inside * (cell.inside - 2.0) + 1.0) * 30.0;
     let corner = |x: bool, y: bool, z: bool| {
-        let step = |axis: usize, on: bool| if on { first[axis].wrapping_add(AXES[axis]) } else { first[axis] };
-        let sum = step(0, x).wrapping_add(step(1, y)).wrapping_add(step(2, z));
-        let slope = gradient(spread(seed ^ sum));
-        let from = inside - DVec3::new(f64::from(u8::from(x)), f64::from(u8::from(y)), f64::from(u8::from(z)));
+        let (slope, from) = cell.corner([x, y, z]);
         Tangent { value: slope.dot(from), slope }
     };
     let between = |axis: usize, a: Tangent, b: Tangent| {
         let step = b.value - a.value;
-        let mut slope = a.slope + (b.slope - a.slope) * fade[axis];
+        let mut slope = a.slope + (b.slope - a.slope) * cell.fade[axis];
         slope[axis] += step * rise[axis];
-        Tangent { value: a.value + step * fade[axis], slope }
+        Tangent { value: a.value + step * cell.fade[axis], slope }
     };
     let along_x = |y, z| between(0, corner(false, y, z), corner(true, y, z));
     let along_y = |z| between(1, along_x(false, z), along_x(true, z));
     between(2, along_y(false), along_y(true))
 }
 
-/// One of the twelve directions to the middles of a cube's edges.
-fn gradient(hash: u64) -> DVec3 {
-    let sign = |bit: u32| if hash >> bit & 1 == 0 { 1.0 } else { -1.0 };
-    let (a, b) = (sign(0), sign(1));
-    // A third of what the upper half can be for each axis that is left out.
-    match ((hash >> 32) * 3) >> 32 {
-        0 => DVec3::new(a, b, 0.0),
-        1 => DVec3::new(a, 0.0, b),
-        _ => DVec3::new(0.0, a, b),
+/// The value of [`gradient_noise`] alone.
+pub(crate) fn noise_value(seed: u64, point: DVec3) -> f64 {
+    let cell = Cell::of(seed, point);
+    let mut corners = [0.0; 8];
+    for (number, value) in corners.iter_mut().enumerate() {
+        let (slope, from) = cell.corner([number & 1 == 1, number & 2 == 2, number & 4 == 4]);
+        *value = slope.dot(from);
     }
+    let between = |axis: usize, a: f64, b: f64| a + (b - a) * cell.fade[axis];
+    let along_x = |number: usize| between(0, corners[number], corners[number + 1]);
+    let along_y = |number: usize| between(1, along_x(number), along_x(number + 2));
+    between(2, along_y(0), along_y(4))
+}
+
+/// Where a point is in a cell of the lattice.
+struct Cell {
+    seed: u64,
+    /// From the cell's lowest corner.
+    inside: DVec3,
+    fade: DVec3,
+    /// The coordinates of that corner, each times its number among [`AXES`].
+    first: [u64; 3],
+}
+
+impl Cell {
+    #[inline(always)]
+    fn of(seed: u64, point: DVec3) -> Self {
+        let parts = point.to_array().map(parted);
+        let inside = DVec3::from_array(parts.map(|it| it.1));
+        let fade = inside * inside * inside * (inside * (inside * 6.0 - 15.0) + 10.0);
+        let first = std::array::from_fn(|axis| (parts[axis].0 as u64).wrapping_mul(AXES[axis]));
+        Self { seed, inside, fade, first }
+    }
+
+    /// The gradient at a corner of the cell, and the way from there.
+    #[inline(always)]
+    fn corner(&self, on: [bool; 3]) -> (DVec3, DVec3) {
+        let step = |axis: usize| if on[axis] { self.first[axis].wrapping_add(AXES[axis]) } else { self.first[axis] };
+        let sum = step(0).wrapping_add(step(1)).wrapping_add(step(2));
+        let from = self.inside - DVec3::from_array(on.map(|it| f64::from(u8::from(it))));
+        (gradient(spread(self.seed ^ sum)), from)
+    }
+}
+
+/// The whole number below a number, and the rest.
+#[inline(always)]
+fn parted(number: f64) -> (i64, f64) {
+    /// Below this, whole numbers are told by what every processor does at once; `floor` is a call where they cannot do it.
+    const SMALL: f64 = (1_u64 << 52) as f64;
+    if number.abs() < SMALL {
+        let near = number as i64;
+        let below = near - i64::from(near as f64 > number);
+        // Adding 0 makes -0 what the rest of -0 is.
+        return (below, number - below as f64 + 0.0);
+    }
+    // Numbers beyond those of 64 bits have no places between them where noise would differ.
+    let below = number.floor();
+    (below as i64, number - below)
+}
+
+/// The twelve directions to the middles of a cube's edges: four for each axis that is left out.
+const GRADIENTS: [[DVec3; 4]; 3] = {
+    const SIGNS: [(f64, f64); 4] = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+    let mut all = [[DVec3::ZERO; 4]; 3];
+    let mut number = 0;
+    while number < 4 {
+        let (a, b) = SIGNS[number];
+        all[0][number] = DVec3::new(a, b, 0.0);
+        all[1][number] = DVec3::new(a, 0.0, b);
+        all[2][number] = DVec3::new(0.0, a, b);
+        number += 1;
+    }
+    all
+};
+
+/// One of them. (A table, since no processor foresees which.)
+#[inline(always)]
+fn gradient(hash: u64) -> DVec3 {
+    // A third of what the upper half can be for each axis that is left out.
+    GRADIENTS[(((hash >> 32) * 3) >> 32) as usize][(hash & 3) as usize]
 }
 
 #[cfg(test)]
@@ -69,6 +131,20 @@ mod tests {
     /// Points that lie everywhere in the cells, those of negative coordinates too.
     fn points() -> impl Iterator<Item = DVec3> {
         (0..20_000u32).map(f64::from).map(|it| DVec3::new(it * 0.377 - 2000.0, 900.0 - it * 0.511, it * 0.123))
+    }
+
+    #[test]
+    fn the_value_alone_is_the_value_to_the_bit_and_numbers_are_parted_by_their_floor() {
+        for point in points().chain([DVec3::splat(1e300), DVec3::new(-1e17, 4.5e15, 4.6e15)]) {
+            assert_eq!(noise_value(5, point).to_bits(), gradient_noise(5, point).value.to_bits(), "{point}");
+            for number in point.to_array() {
+                for number in [number, -number, number.floor(), -0.0, 0.0, number * 1e-18, -number * 1e-18] {
+                    let (below, rest) = parted(number);
+                    assert_eq!(below, number.floor() as i64, "{number}");
+                    assert_eq!(rest.to_bits(), (number - number.floor()).to_bits(), "{number}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -221,7 +221,7 @@ pub(crate) fn noise(seed: u64, args: &[&Value]) -> Result<Value, Failure> {
         },
         _ => return Err(Failure::types("noise", args)),
     };
-    sound(noise::gradient_noise(seed, point).value, "noise", args).map(Value::Number)
+    sound(noise::noise_value(seed, point), "noise", args).map(Value::Number)
 }
 
 /// The built-in functions that need nothing but their arguments.

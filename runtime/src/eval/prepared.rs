@@ -30,10 +30,10 @@ impl Machine<'_> {
     fn read_quickly(&mut self, formula: &Formula, env: &mut Env, numbers: &mut [f64]) -> bool {
         let Some(program) = self.run_program(formula, env) else { return false };
         for (number, place) in numbers.iter_mut().zip(&program.results) {
-            match self.number_at(program, env, *place) {
-                Some(it) if !place.is_truth => *number = it,
-                _ => return false,
+            if place.is_truth {
+                return false;
             }
+            *number = self.number_at(*place);
         }
         true
     }
@@ -44,9 +44,8 @@ impl Machine<'_> {
         if let Some(program) = self.run_program(formula, env)
             && let [place] = program.results[..]
             && place.is_truth
-            && let Some(truth) = self.number_at(program, env, place)
         {
-            return Ok(truth != 0.0);
+            return Ok(self.number_at(place) != 0.0);
         }
         self.truth(formula.code(), env)
     }
@@ -77,10 +76,7 @@ impl Machine<'_> {
     fn find_quickly(&mut self, formula: &Formula, env: &mut Env, values: &mut [Value]) -> bool {
         let Some(program) = self.run_program(formula, env) else { return false };
         for (value, place) in values.iter_mut().zip(&program.results) {
-            match self.number_at(program, env, *place) {
-                Some(number) => put(value, place.is_truth, number),
-                None => return false,
-            }
+            put(value, place.is_truth, self.number_at(*place));
         }
         true
     }

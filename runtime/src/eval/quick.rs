@@ -3,7 +3,7 @@
 //! Each gives exactly what [`operation`](super::operation) gives, or `None` where that may be a failure: whatever is not finite is
 //! left to it. So nothing here has to say what went wrong.
 
-use super::formula::{NumberOp, Operand, Place, Program};
+use super::program::{MOST_REGISTERS, NumberOp, Program, Registers};
 use super::{Env, angle, operation, random};
 use crate::form::{BinaryOp, Builtin, Draw, Value};
 
@@ -89,24 +89,24 @@ pub(super) fn distribute(draw: Draw, uniform: f64, args: &[f64]) -> Option<f64> 
 /// Runs a program of numbers; false if it could not be done with finite numbers alone. Then nothing has changed.
 ///
 /// `draw` gives a number in [0, 1) for the draw of a number.
+#[inline(always)]
 pub(super) fn run(
     program: &Program,
     env: &mut Env,
-    registers: &mut [f64],
-    draw: impl Fn(&Env, (u64, u64)) -> f64,
+    registers: &mut Registers,
+    draw: impl Fn((u64, u64)) -> f64,
 ) -> bool {
-    // The number of an operand; in a slot there may be something else.
     macro_rules! at {
-        ($operand:expr) => {
-            match $operand {
-                Operand::Register(number) => registers[usize::from(number)],
-                Operand::Constant(number) => program.constants[usize::from(number)],
-                Operand::Slot(number) => match env.slots[usize::from(number)] {
-                    Value::Number(number) => number,
-                    _ => return false,
-                },
-            }
+        ($register:expr) => {
+            registers[usize::from($register) % MOST_REGISTERS]
         };
+    }
+    for (slot, to) in &program.loads {
+        let Value::Number(number) = env.slots[usize::from(slot.0)] else { return false };
+        at!(*to) = number;
+    }
+    for (to, number) in (program.first_constant..).zip(&program.constants) {
+        at!(to) = *number;
     }
     let mut next = 0;
     while let Some(op) = program.ops.get(next) {
@@ -134,7 +134,7 @@ pub(super) fn run(
             NumberOp::Builtin(to, function, _, [a, b, c]) => (to, builtin(function, &[at!(a), at!(b), at!(c)])),
             NumberOp::Draw(to, kind, a, b, number) => {
                 let args = [at!(a), at!(b)];
-                (to, distribute(kind, draw(env, program.draws[usize::from(number)]), &args))
+                (to, distribute(kind, draw(program.draws[usize::from(number)]), &args))
             }
             NumberOp::Jump(target) => {
                 next = target as usize;
@@ -150,7 +150,7 @@ pub(super) fn run(
             }
         };
         let Some(number) = number else { return false };
-        registers[usize::from(to)] = number;
+        at!(to) = number;
     }
     for (slot, place) in &program.stores {
         let number = at!(place.operand);
@@ -162,19 +162,6 @@ pub(super) fn run(
 #[inline(always)]
 fn finite(number: f64) -> Option<f64> {
     number.is_finite().then_some(number)
-}
-
-/// The number at a place, after a run; `None` if that is a slot with something else.
-#[inline(always)]
-pub(super) fn result(program: &Program, env: &Env, registers: &[f64], place: Place) -> Option<f64> {
-    match place.operand {
-        Operand::Register(number) => Some(registers[usize::from(number)]),
-        Operand::Constant(number) => Some(program.constants[usize::from(number)]),
-        Operand::Slot(number) => match env.slots[usize::from(number)] {
-            Value::Number(number) => Some(number),
-            _ => None,
-        },
-    }
 }
 
 /// Puts what a register of a program holds into a value.

@@ -80,6 +80,12 @@ impl<S: Copy> Intervals<S> {
         self
     }
 
+    /// How far apart an event of this and one of another list may be and still be one: the error of arithmetic, in t.
+    pub(crate) fn rounding(&self, other: &Self) -> f64 {
+        let ends = [self, other].into_iter().flat_map(|it| it.as_slice()).flat_map(|it| [it.near.t, it.far.t]);
+        ends.filter(|it| it.is_finite()).fold(0.0, |largest: f64, it| largest.max(it.abs())) * 1e-12
+    }
+
     /// What lies in either.
     pub fn union(&self, other: &Self, tolerance: f64) -> Self {
         combine(self, other, tolerance, false, |a, b| a || b)

@@ -103,6 +103,28 @@ impl<'r> Relief<'r> {
         entry
     }
 
+    /// The first piece of a line inside it, for who does not see whether anything lies closer together on it than `grain`, a difference
+    /// of t; nothing if the line comes to the outer frustum at `before` or later. Where the piece leads through the core it ends, at
+    /// the earliest, with that, or if `whole` where it does.
+    pub fn first_piece(&self, ray: &Ray, grain: f64, before: f64, whole: bool) -> Option<Chord> {
+        let mut course = self.course(ray, None).filter(|it| it.whole.near.t < before)?;
+        course.grain = grain;
+        if let Some(core) = course.core.filter(|it| !whole && it.far.t < course.whole.far.t) {
+            course.whole.far = core.far;
+        }
+        let (mut begun, mut piece) = (None, None);
+        course.walk(|t, face, inside| {
+            let here = Crossing { t, face };
+            if inside {
+                begun = Some(here);
+            } else {
+                piece = begun.and_then(|near| Chord::new(near, here));
+            }
+            piece.is_none()
+        });
+        piece
+    }
+
     /// Where a line goes in and out of both frusta.
     fn course<'c>(&'c self, ray: &'c Ray, from: Option<u32>) -> Option<Course<'c, 'r>> {
         let on_surface = from == Some(SIDE);
@@ -120,7 +142,7 @@ impl<'r> Relief<'r> {
         let core = CutCone { radius: cone.radius * thin, slope: cone.slope * thin, ..cone };
         let core = core.chord(ray, from).filter(|it| it.far.t > whole.near.t);
         let valid = whole.near.t < whole.far.t && whole.near.t.is_finite() && whole.far.t.is_finite();
-        valid.then_some(Course { relief: self, ray, whole, core, on_surface })
+        valid.then_some(Course { relief: self, ray, whole, core, on_surface, grain: 0.0 })
     }
 
     /// How far a point is outside the surface, measured from the axis.
@@ -152,6 +174,8 @@ struct Course<'c, 'r> {
     whole: Chord,
     core: Option<Chord>,
     on_surface: bool,
+    /// How far apart places must be to be told apart; 0 if all are.
+    grain: f64,
 }
 
 impl Course<'_, '_> {
@@ -165,7 +189,8 @@ impl Course<'_, '_> {
         }
         let mut start = near.t;
         if let Some(core) = &self.core {
-            if core.near.t > start && !self.between(start, core.near.t, &mut inside, &mut each) {
+            // On a way that is no longer than a grain it comes in, wherever.
+            if core.near.t - start > self.grain && !self.between(start, core.near.t, &mut inside, &mut each) {
                 return;
             }
             if !inside && !each(core.near.t.max(start), SIDE, true) {
@@ -174,7 +199,7 @@ impl Course<'_, '_> {
             inside = true;
             start = core.far.t.min(far.t);
         }
-        if start < far.t && !self.between(start, far.t, &mut inside, &mut each) {
+        if far.t - start > self.grain && !self.between(start, far.t, &mut inside, &mut each) {
             return;
         }
         if inside {
@@ -195,7 +220,10 @@ impl Course<'_, '_> {
 
     /// The places between two others; false once no more are wanted.
     fn between(&self, from: f64, to: f64, inside: &mut bool, each: &mut impl FnMut(f64, u32, bool) -> bool) -> bool {
-        let count = self.relief.steps(self.ray.at(from), self.ray.at(to));
+        let mut count = self.relief.steps(self.ray.at(from), self.ray.at(to));
+        if self.grain > 0.0 {
+            count = count.min(((to - from) / self.grain).ceil() as u32).max(1);
+        }
         let step = (to - from) / f64::from(count);
         let mut before = (from, if *inside { -f64::MIN_POSITIVE } else { f64::MIN_POSITIVE });
         for number in 1..=count {
@@ -216,7 +244,7 @@ impl Course<'_, '_> {
     /// Where the surface is between two places, one on each side of it: by false position with halved ends, and by halves where one
     /// end does not move.
     fn closed_in_on(&self, mut a: (f64, f64), mut b: (f64, f64)) -> f64 {
-        let enough = (b.0 - a.0).abs() * NEAR_ENOUGH;
+        let enough = ((b.0 - a.0).abs() * NEAR_ENOUGH).max(self.grain);
         let mut stuck = 0_i32;
         for number in 0..MOST_CLOSER {
             if (b.0 - a.0).abs() <= enough {
@@ -240,5 +268,69 @@ impl Course<'_, '_> {
             }
         }
         0.5 * (a.0 + b.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::segment::CutCone;
+    use super::*;
+    use crate::form::{Fbm, Origin, Pattern, Space, Texture};
+
+    /// A leaning frustum with a relief of noise, and rays from all around, some along it.
+    fn rough() -> (Rind, Hide) {
+        let cone = CutCone::new(1.0, -0.2, 0.3, 2.5, DVec2::new(0.1, 0.2)).expect("it is a frustum");
+        let rind = Rind { cone, turn: DVec2::new(0.0, 1.0), along: [3.0, 5.5], radius: 1.1 };
+        let texture = Texture {
+            name: String::new(),
+            space: Space::Stem,
+            seed: 0.0,
+            stretch: DVec3::ONE,
+            offset: DVec3::ZERO,
+            pattern: Pattern::Fbm(Fbm { dimension: 2.5, octaves: 3, frequency: 2.0, lacunarity: 2.0 }),
+            origin: Origin::NONE,
+        };
+        (rind, Hide::new(Field::new(&texture, 7), 0.25).expect("it is not flat"))
+    }
+
+    fn rays() -> impl Iterator<Item = Ray> {
+        (0..40_000_u32).map(|number| {
+            let part = |step: f64| 2.0 * (f64::from(number) * step).fract() - 1.0;
+            let goal = DVec3::new(1.3 * part(0.754_877_7), 1.3 * part(0.569_840_3), 1.25 + 1.5 * part(0.381_966));
+            let way = DVec3::new(part(0.618_034), part(0.414_213_6), 0.7 * part(0.236_068));
+            Ray { origin: goal - way * 4.0, direction: way }
+        })
+    }
+
+    #[test]
+    fn the_first_piece_is_the_one_that_is_walked_but_for_what_is_finer_than_its_grain() {
+        let (rind, hide) = rough();
+        let relief = Relief::new(&rind, &hide);
+        let (mut met, mut missed, mut off) = (0, 0, 0);
+        for ray in rays() {
+            let grain = 0.01 / ray.direction.length();
+            let exact = relief.chords(&ray, None).first().copied();
+            let found = relief.first_piece(&ray, grain, f64::INFINITY, true);
+            match (exact, found) {
+                (Some(exact), Some(found)) => {
+                    met += 1;
+                    let apart = (exact.near.t - found.near.t).abs().max((exact.far.t - found.far.t).abs());
+                    off += u32::from(apart > 2.0 * grain);
+                }
+                (None, None) => {}
+                _ => missed += 1,
+            }
+            // Where it need not be whole it ends no later, and begins at the same place.
+            let part = relief.first_piece(&ray, grain, f64::INFINITY, false);
+            let ends = (part.map(|it| it.near), part.zip(found).map(|(part, whole)| part.far.t <= whole.far.t));
+            assert_eq!(ends, (found.map(|it| it.near), found.map(|_| true)));
+            // What begins too late is not asked for.
+            assert_eq!(relief.first_piece(&ray, grain, f64::NEG_INFINITY, true), None);
+        }
+        assert!(met > 10_000, "{met}");
+        // Steps of a grain pass over few bumps that finer ones meet.
+        assert!(missed * 500 < met && off * 100 < met, "{missed} missed, {off} elsewhere, of {met}");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! What it takes is bounded by the limits on triangles and on parts.
 
-use super::component::{Component, Mesh, Placed};
+use super::component::{Component, Mesh, Placed, WhatLeftOut};
 use super::surface::Mapping;
 use super::walk::{self, Maker, limit};
 use super::{StemSurface, merge, solid};
@@ -10,7 +10,7 @@ use crate::fault::{Fault, Limit};
 use crate::form::{Origin, PrimitiveKind, Scene};
 use crate::limits::Limits;
 use crate::picture::Watch;
-use crate::trace::{Item, Solid, WholeStem};
+use crate::trace::{Expander, Item, Solid, WholeStem};
 
 /// The mesh of a scene, empty if nothing in it has one; the limits say how many triangles all its components may have, and at how many places they may be.
 ///
@@ -58,6 +58,15 @@ impl Maker for Mesher {
         self.budget.spend(surface.triangles().len() as u64, *origin)?;
         component.painted.surface(item.material).add(&surface, &Mapping::new(&item.group_from_item));
         Ok(None)
+    }
+
+    fn boolean(
+        &mut self,
+        _component: &mut Component,
+        item: &Item,
+        _expander: &Expander<'_>,
+    ) -> Result<Option<WhatLeftOut>, Fault> {
+        Ok(Some(walk::left_out_boolean(&item.solid)))
     }
 
     fn lay(&mut self, component: &mut Component, inner: usize, item: &Item) {

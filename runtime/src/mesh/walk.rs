@@ -36,6 +36,14 @@ pub(crate) trait Maker {
     /// Takes a primitive; gives its kind if it cannot be in a component.
     fn leaf(&mut self, component: &mut Self::Component, item: &Item) -> Result<Option<PrimitiveKind>, Fault>;
 
+    /// Takes an intersection or a difference; gives why not if it cannot be in a component.
+    fn boolean(
+        &mut self,
+        component: &mut Self::Component,
+        item: &Item,
+        expander: &Expander<'_>,
+    ) -> Result<Option<WhatLeftOut>, Fault>;
+
     /// Lays the component of this number down in another one, where an item says.
     fn lay(&mut self, component: &mut Self::Component, inner: usize, item: &Item);
 
@@ -177,13 +185,10 @@ impl<M: Maker> Walk<'_, '_, M> {
                     }
                 }
                 Solid::Instance(..) => ahead.push(item),
-                Solid::Intersect(operands) => {
-                    let origin = operands.iter().find_map(first_origin).unwrap_or(Origin::NONE);
-                    self.leave_out(WhatLeftOut::Boolean(Boolean::Intersection), origin);
-                }
-                Solid::Difference(first, _) => {
-                    let origin = first_origin(first).unwrap_or(Origin::NONE);
-                    self.leave_out(WhatLeftOut::Boolean(Boolean::Difference), origin);
+                Solid::Intersect(_) | Solid::Difference(..) => {
+                    if let Some(what) = self.maker.boolean(&mut component, &item, &self.expander)? {
+                        self.leave_out(what, first_origin(&item.solid).unwrap_or(Origin::NONE));
+                    }
                 }
             }
         }
@@ -250,13 +255,20 @@ impl<M: Maker> Walk<'_, '_, M> {
     }
 }
 
-/// The place of the first thing in a group that has one.
-fn first_origin(group: &Group) -> Option<Origin> {
-    group.items.iter().find_map(|it| match &it.solid {
+/// The place of the first thing in a solid that has one.
+fn first_origin(solid: &Solid) -> Option<Origin> {
+    let of_group = |it: &Group| it.items.iter().find_map(|it| first_origin(&it.solid));
+    match solid {
         Solid::Leaf { origin, .. } | Solid::Instance(_, origin) => Some(*origin).filter(|it| *it != Origin::NONE),
-        Solid::Intersect(operands) => operands.iter().find_map(first_origin),
-        Solid::Difference(first, others) => std::iter::once(&**first).chain(others).find_map(first_origin),
-    })
+        Solid::Intersect(operands) => operands.iter().find_map(of_group),
+        Solid::Difference(first, others) => std::iter::once(&**first).chain(others).find_map(of_group),
+    }
+}
+
+/// A Boolean as what is left out.
+pub(crate) fn left_out_boolean(solid: &Solid) -> WhatLeftOut {
+    let is_difference = matches!(solid, Solid::Difference(..));
+    WhatLeftOut::Boolean(if is_difference { Boolean::Difference } else { Boolean::Intersection })
 }
 
 pub(crate) fn limit(limit: Limit, most: u64, origin: Origin) -> Fault {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use super::compound;
 use super::frame::{Frame, Piece, Shape};
 use super::hull::{self, Hull, Registers};
 use super::materials::Materials;
@@ -35,6 +36,7 @@ pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Mat
                 (shape, bark)
             }
             What::Surface(surface, _) => (Shape::Surface(Arc::clone(surface), own_from_world), None),
+            What::Compound(compound) => (Shape::Compound(Arc::clone(compound), own_from_world), None),
         };
         let rind = bark.filter(|_| materials.is_on_stems(material)).map(|it| Box::new(it.rind));
         frame.say(Piece { look: met.look, shape, rind });
@@ -65,6 +67,7 @@ pub(crate) fn draw(
             triangle::draw(frame, &seeing, &corners, 0)
         }
         What::Primitive(primitive, bark) => solid::draw(frame, (primitive, bark.and_then(Bark::relief)), map, meeting),
+        What::Compound(compound) => solid::draw_compound(frame, compound, map, meeting),
         What::Surface(surface, run) => {
             let seeing = Seeing::new(frame);
             let mut is_seen = false;
@@ -94,10 +97,7 @@ fn detail(set: &ConvexSet, world_from_own: &DAffine3, projection: &Projection) -
 impl What<'_> {
     /// Whether it has no end.
     pub(crate) fn is_endless(&self) -> bool {
-        match self {
-            Self::Primitive(primitive, _) => !primitive.bounds().is_finite(),
-            Self::Surface(..) => false,
-        }
+        !self.bounds().is_finite()
     }
 
     /// A box around it in its own frame.
@@ -105,6 +105,7 @@ impl What<'_> {
         match self {
             Self::Primitive(primitive, _) => primitive.bounds(),
             Self::Surface(surface, run) => bounds(surface, *run),
+            Self::Compound(compound) => compound.bounds(),
         }
     }
 
@@ -116,6 +117,7 @@ impl What<'_> {
                 let corners = triangles(surface, *run).flat_map(|it| it.1);
                 corners.map(|it| it.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
             }
+            Self::Compound(compound) => compound::reach(&compound.bounds(), direction),
         }
     }
 }

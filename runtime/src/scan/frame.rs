@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
+use super::compound::Compound;
 use super::outline::DOUBT;
 use super::projection::{self, Projection};
 use super::tour::Look;
@@ -57,6 +58,8 @@ pub(crate) enum Shape {
     Hull { primitive: Primitive, own_from_world: Box<DAffine3>, detail: Detail, rough: Option<Arc<Rough>> },
     /// Triangles: normals lie between those of their corners.
     Surface(Arc<Surface>, Box<DAffine3>),
+    /// What Booleans make of primitives, of which each has normals and a look of its own.
+    Compound(Arc<Compound>, Box<DAffine3>),
 }
 
 /// What is seen in a row of samples.
@@ -266,6 +269,9 @@ impl Piece {
 
     fn see(&self, t: f64, face: u32, beam: &Beam, seen: &mut Seen) {
         let position = beam.ray.at(t);
+        if let Shape::Compound(compound, own_from_world) = &self.shape {
+            return compound.see(&self.look, own_from_world, (t, face), beam, seen);
+        }
         let normal = self.shape.normal(position, face, beam);
         seen.push(Fragment {
             material: self.look.material,
@@ -281,8 +287,14 @@ impl Piece {
     }
 }
 
+/// Where a normal of a frame points in the world; against a ray, if it points nowhere.
+pub(super) fn outwards(own: DVec3, own_from_world: &DAffine3, ray: &Ray) -> DVec3 {
+    let normal = DMat3::transpose(&own_from_world.matrix3) * own;
+    normal.try_normalize().unwrap_or(-ray.direction)
+}
+
 /// A place of the world in a frame.
-fn painted(position: DVec3, frame_from_world: &DAffine3) -> Painted {
+pub(super) fn painted(position: DVec3, frame_from_world: &DAffine3) -> Painted {
     let position = frame_from_world.transform_point3(position);
     Painted { position, paint_from_world: frame_from_world.matrix3 }
 }
@@ -297,7 +309,7 @@ impl Shape {
     fn shown(&self) -> Option<Shown<'_>> {
         match self {
             Self::Hull { primitive, detail, .. } => Some(primitive.hull()?.shown(*detail)),
-            Self::Primitive(..) | Self::Surface(..) => None,
+            Self::Primitive(..) | Self::Surface(..) | Self::Compound(..) => None,
         }
     }
 
@@ -308,7 +320,7 @@ impl Shape {
                 let plane = self.shown().and_then(|it| it.plane(face as usize));
                 plane.map_or(t, |it| it.met(&ray.mapped(own_from_world)))
             }
-            Self::Hull { .. } | Self::Primitive(..) | Self::Surface(..) => t,
+            Self::Hull { .. } | Self::Primitive(..) | Self::Surface(..) | Self::Compound(..) => t,
         }
     }
 
@@ -316,7 +328,8 @@ impl Shape {
         match self {
             Self::Primitive(_, own_from_world)
             | Self::Hull { own_from_world, .. }
-            | Self::Surface(_, own_from_world) => own_from_world,
+            | Self::Surface(_, own_from_world)
+            | Self::Compound(_, own_from_world) => own_from_world,
         }
     }
 
@@ -336,9 +349,10 @@ impl Shape {
                 let own = surface.normal(face as usize, own_from_world.transform_point3(position));
                 (own, own_from_world, true)
             }
+            // What it is made of has the normals.
+            Self::Compound(_, own_from_world) => (DVec3::ZERO, own_from_world, true),
         };
-        let normal = DMat3::transpose(&own_from_world.matrix3) * own;
-        let normal = normal.try_normalize().unwrap_or(-beam.ray.direction);
+        let normal = outwards(own, own_from_world, &beam.ray);
         if !is_solid && normal.dot(beam.ray.direction) > 0.0 { -normal } else { normal }
     }
 }

@@ -1,19 +1,28 @@
 //! What shadow maps leave out: what has no end, and the few things that are so much larger than all others that a map of them would
 //! have no texels left for the rest. Rays meet those.
 
+use std::sync::Arc;
+
 use glam::DAffine3;
 
+use super::compound;
 use super::model::Model;
 use super::tour::{Met, Tour, What};
-use crate::geometry::{Aabb, Primitive, Ray};
+use crate::geometry::{Aabb, Chords, Primitive, Ray};
 
-/// A primitive that rays meet.
+/// Something that rays meet.
 #[derive(Debug)]
 struct Alone {
-    primitive: Primitive,
+    solid: Solid,
     own_from_world: DAffine3,
     /// How large its coordinates are; 0 if it has no end.
     size: f64,
+}
+
+#[derive(Debug)]
+enum Solid {
+    Primitive(Primitive),
+    Compound(compound::Shared),
 }
 
 /// What is met by rays, and what is left.
@@ -65,15 +74,28 @@ impl Large {
         self.alone.iter().any(|it| {
             // What starts on its surface meets it at 0, up to rounding: far less than what is seen of it.
             let least = 1e-9 * coordinates.max(it.size);
-            it.primitive.chords(&ray.mapped(&it.own_from_world), None).iter().any(|it| it.far.t > least)
+            it.solid.chords(&ray.mapped(&it.own_from_world)).iter().any(|it| it.far.t > least)
         })
     }
 }
 
 impl Alone {
     fn new(met: &Met<'_>, size: f64) -> Option<Self> {
-        let What::Primitive(primitive, _) = met.what else { return None };
-        Some(Self { primitive: primitive.clone(), own_from_world: met.world_from_own.inverse(), size })
+        let solid = match met.what {
+            What::Primitive(primitive, _) => Solid::Primitive(primitive.clone()),
+            What::Compound(compound) => Solid::Compound(Arc::clone(compound)),
+            What::Surface(..) => return None,
+        };
+        Some(Self { solid, own_from_world: met.world_from_own.inverse(), size })
+    }
+}
+
+impl Solid {
+    fn chords(&self, ray: &Ray) -> Chords {
+        match self {
+            Self::Primitive(primitive) => primitive.chords(ray, None),
+            Self::Compound(compound) => compound.chords(ray),
+        }
     }
 }
 
@@ -113,7 +135,11 @@ impl<'m> Sizes<'m> {
 
 /// Whether rays meet something as it is drawn.
 fn takes_rays(met: &Met<'_>) -> bool {
-    matches!(met.what, What::Primitive(primitive, None) if primitive.is_solid() && primitive.hull().is_none())
+    match met.what {
+        What::Primitive(primitive, None) => primitive.is_solid() && primitive.hull().is_none(),
+        What::Compound(_) => true,
+        What::Primitive(_, Some(_)) | What::Surface(..) => false,
+    }
 }
 
 fn bounds(met: &Met<'_>) -> Aabb {

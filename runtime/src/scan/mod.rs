@@ -5,9 +5,11 @@
 //! what rays see. Samples lie where the ray tracer's do, and what is drawn by its equation is met by the same rays, so the two
 //! pictures agree.
 //!
-//! What cannot be drawn is left out and told of: Booleans, and recursions without an end, since nothing ends them at the pixel.
+//! What cannot be drawn is left out and told of: recursions without an end, since nothing ends them at the pixel.
 
+mod compound;
 mod draw;
+mod flatten;
 mod frame;
 mod hull;
 mod large;

@@ -7,16 +7,17 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use super::draw;
+use super::flatten::{self, Undrawn};
 use super::tree::Tree;
+use super::{compound, draw};
 use crate::fault::{Fault, Limit};
 use crate::form::{MaterialId, Origin, PrimitiveKind, Scene};
 use crate::geometry::{Aabb, Primitive};
 use crate::limits::Limits;
 use crate::mesh::walk::{self, Maker, limit};
-use crate::mesh::{self, LeftOut, StemSurface, Surface};
+use crate::mesh::{self, LeftOut, StemSurface, Surface, WhatLeftOut};
 use crate::picture::Watch;
-use crate::trace::{Bark, Item, Route, Solid, WholeStem};
+use crate::trace::{Bark, Expander, Item, Route, Solid, WholeStem};
 
 /// All components of a scene.
 #[derive(Debug)]
@@ -63,6 +64,8 @@ pub(crate) enum Holds {
     Primitive(Box<Primitive>, Option<Box<Bark>>, Origin),
     /// Triangles of a surface, and the place in the text of what that is the surface of.
     Surface(Arc<Surface>, Run, Origin),
+    /// What intersections and differences make of primitives.
+    Compound(compound::Shared, Origin),
     /// The component of this number.
     Component(usize),
 }
@@ -78,7 +81,7 @@ impl Model {
         limits: &Limits,
         watch: &dyn Watch,
     ) -> Result<(Self, Vec<LeftOut>), Fault> {
-        let mut maker = Modeller { stems, components: Vec::new(), stored: 0, limit: limits.triangles };
+        let mut maker = Modeller { stems, components: Vec::new(), stored: 0, limits: *limits };
         let left_out = walk::walk(scene, &mut maker, limits, watch)?;
         Ok((Self { components: maker.components }, left_out))
     }
@@ -113,7 +116,7 @@ struct Modeller {
     components: Vec<Component>,
     /// How many primitives and triangles are in all of them.
     stored: u64,
-    limit: u64,
+    limits: Limits,
 }
 
 impl Maker for Modeller {
@@ -168,6 +171,27 @@ impl Maker for Modeller {
         Ok(None)
     }
 
+    fn boolean(
+        &mut self,
+        component: &mut Making,
+        item: &Item,
+        expander: &Expander<'_>,
+    ) -> Result<Option<WhatLeftOut>, Fault> {
+        let compound = match flatten::compound(expander, item, &self.limits) {
+            Ok(compound) => compound,
+            Err(Undrawn::Fault(fault)) => return Err(fault),
+            Err(Undrawn::Endless(state, origin)) => {
+                return Ok(Some(WhatLeftOut::Endless(expander.trail_step(&state, origin).name)));
+            }
+            Err(Undrawn::Nested) => return Ok(Some(walk::left_out_boolean(&item.solid))),
+        };
+        let origin = compound.origin();
+        self.spend(component, compound.count(), origin)?;
+        let bounds = compound.bounds().mapped(&item.group_from_item);
+        component.put(bounds, &bounds, thing(item, Holds::Compound(Arc::new(compound), origin)));
+        Ok(None)
+    }
+
     fn lay(&mut self, component: &mut Making, inner: usize, item: &Item) {
         let made = &self.components[inner];
         if made.things.is_empty() {
@@ -180,8 +204,8 @@ impl Maker for Modeller {
     }
 
     fn done(&mut self, component: Making) -> Result<(), Fault> {
-        if component.count > self.limit {
-            return Err(limit(Limit::Triangles, self.limit, Origin::NONE));
+        if component.count > self.limits.triangles {
+            return Err(limit(Limit::Triangles, self.limits.triangles, Origin::NONE));
         }
         self.components.push(component.whole());
         Ok(())
@@ -192,7 +216,8 @@ impl Modeller {
     /// Looks whether so much may be added to a component.
     fn fits(&self, component: &Making, count: u64, origin: Origin) -> Result<(), Fault> {
         let most = self.stored.max(component.count).saturating_add(count);
-        if most <= self.limit { Ok(()) } else { Err(limit(Limit::Triangles, self.limit, origin)) }
+        let limit_of = self.limits.triangles;
+        if most <= limit_of { Ok(()) } else { Err(limit(Limit::Triangles, limit_of, origin)) }
     }
 
     /// Counts what is added to a component.

@@ -7,6 +7,7 @@
 use glam::{DAffine3, DVec2};
 use pulp::f64x8;
 
+use super::compound::Compound;
 use super::frame::{Frame, Grid};
 use super::outline::Outline;
 use super::projection::Fan;
@@ -24,6 +25,9 @@ pub(crate) enum Meeting {
     End,
 }
 
+/// How near to each other places on a line may be that a map of shadows need not tell apart, in texels.
+const GRAIN: f64 = 0.25;
+
 /// Draws a primitive, or its relief, where it is met so, as the piece of the next number; says whether any of it is seen.
 pub(crate) fn draw(
     frame: &mut Frame,
@@ -33,7 +37,9 @@ pub(crate) fn draw(
 ) -> bool {
     let outline = Outline::new(&primitive.bounds(), world_from_own, frame.projection());
     let own_from_world = world_from_own.inverse();
-    let alone = Alone { primitive, relief, fan: frame.projection().fan(&own_from_world), meeting };
+    let projection = frame.projection();
+    let alone =
+        Alone { primitive, relief, fan: projection.fan(&own_from_world), meeting, grain: GRAIN * projection.pixel };
     if relief.is_none()
         && let Some((convex, stretch)) = primitive.convex()
     {
@@ -50,6 +56,26 @@ pub(crate) fn draw(
     is_seen
 }
 
+/// Draws what Booleans make of primitives.
+pub(crate) fn draw_compound(
+    frame: &mut Frame,
+    compound: &Compound,
+    world_from_own: &DAffine3,
+    meeting: Meeting,
+) -> bool {
+    let outline = Outline::new(&compound.bounds(), world_from_own, frame.projection());
+    let fan = frame.projection().fan(&world_from_own.inverse());
+    let piece = frame.next_piece();
+    let mut is_seen = false;
+    outline.each_run(frame, |grid, row, columns| {
+        for column in columns {
+            let met = meeting.of_chords(&compound.chords(&fan.ray(grid.at(column, row))));
+            is_seen |= met.is_some_and(|it| grid.put(column, row, it.t, piece, it.face));
+        }
+    });
+    is_seen
+}
+
 /// A primitive that rays meet one by one.
 #[derive(Clone, Copy)]
 struct Alone<'p> {
@@ -57,13 +83,17 @@ struct Alone<'p> {
     relief: Option<Relief<'p>>,
     fan: Fan,
     meeting: Meeting,
+    /// See [`GRAIN`]. Maps of shadows are parallel projections, where that is a depth.
+    grain: f64,
 }
 
 impl Alone<'_> {
     fn draw(&self, grid: &mut Grid<'_>, column: usize, row: usize, piece: u32) -> bool {
         let ray = self.fan.ray(grid.at(column, row));
         let met = match &self.relief {
-            Some(relief) => self.meeting.with_relief(relief, self.primitive, &ray, grid.depth(column, row)),
+            Some(relief) => {
+                self.meeting.with_relief(relief, self.primitive, &ray, (grid.depth(column, row), self.grain))
+            }
             None => self.meeting.with(self.primitive, &ray),
         };
         met.is_some_and(|it| grid.put(column, row, it.t, piece, it.face))
@@ -148,31 +178,37 @@ impl Meeting {
         if !primitive.is_solid() {
             return primitive.crossings(ray, None).into_iter().next();
         }
-        let chords = primitive.chords(ray, None);
+        self.of_chords(&primitive.chords(ray, None))
+    }
+
+    /// Where a ray meets the solid that it has these pieces inside.
+    fn of_chords(self, chords: &[Chord]) -> Option<Crossing> {
         match self {
-            Self::First => {
-                let ends = chords.iter().flat_map(|it| [it.near, it.far]);
-                ends.into_iter().find(|it| it.t > 0.0 && it.t.is_finite())
-            }
+            Self::First => chords.iter().find_map(|it| self.of_chord(it)),
             Self::Middle | Self::End => self.of_chord(chords.first()?),
         }
     }
 
     /// Where a ray meets the relief of a primitive, if that may be before this depth.
-    fn with_relief(self, relief: &Relief<'_>, primitive: &Primitive, ray: &Ray, depth: f64) -> Option<Crossing> {
+    fn with_relief(
+        self,
+        relief: &Relief<'_>,
+        primitive: &Primitive,
+        ray: &Ray,
+        (depth, grain): (f64, f64),
+    ) -> Option<Crossing> {
+        if self != Self::First {
+            return self.of_chord(&relief.first_piece(ray, grain, depth, self == Self::End)?);
+        }
         let smooth = primitive.chords(ray, None);
         let near = smooth.first()?.near.t;
         if near >= depth {
             return None;
         }
-        if self == Self::First && near > 0.0 {
+        if near > 0.0 {
             return relief.entry(ray, None);
         }
-        let chords = relief.chords(ray, None);
-        match self {
-            Self::First => chords.iter().find_map(|it| self.of_chord(it)),
-            Self::Middle | Self::End => self.of_chord(chords.first()?),
-        }
+        self.of_chords(&relief.chords(ray, None))
     }
 
     /// Where a ray meets the solid that it has this piece inside.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::compound;
 use super::model::{Holds, Model, Run, Thing};
 use super::projection::{Plane, Projection};
 use super::tree::Below;
@@ -27,6 +28,8 @@ pub(crate) enum What<'m> {
     Primitive(&'m Primitive, Option<&'m Bark>),
     /// Triangles of a surface, by their numbers.
     Surface(&'m Arc<Surface>, Run),
+    /// What Booleans make of primitives.
+    Compound(&'m compound::Shared),
 }
 
 /// What a surface looks like, and where that comes from.
@@ -122,6 +125,7 @@ impl Tour {
                     each(site.met(thing, What::Primitive(primitive, bark.as_deref()), *origin));
                 }
                 Holds::Surface(surface, run, origin) => each(site.met(thing, What::Surface(surface, *run), *origin)),
+                Holds::Compound(compound, origin) => each(site.met(thing, What::Compound(compound), *origin)),
                 Holds::Component(inner) => {
                     let site = site.inner(thing, *inner);
                     self.open(model, site);

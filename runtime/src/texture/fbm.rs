@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Footprint, Tone};
-use crate::eval::{NOISE_VARIANCE, Tangent, gradient_noise, mix, spread};
+use crate::eval::{NOISE_VARIANCE, Tangent, gradient_noise, mix, noise_value, spread};
 use crate::form::Fbm;
 
 /// Its mean.
@@ -52,7 +52,7 @@ impl Octaves {
 
     /// The value alone, of all octaves: what [`Octaves::at`] gives for a point.
     pub(super) fn value_at(&self, point: DVec3) -> f64 {
-        let one = |it: &Octave| it.amplitude * gradient_noise(it.seed, point * it.frequency + it.shift).value;
+        let one = |it: &Octave| it.amplitude * noise_value(it.seed, point * it.frequency + it.shift);
         self.0.iter().fold(MEAN, |sum, it| sum + one(it))
     }
 

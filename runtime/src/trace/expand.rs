@@ -332,7 +332,7 @@ impl<'s> Expander<'s> {
     }
 
     /// An environment of a state: what is not live is 0.
-    pub(super) fn env(&self, state: &State) -> Env {
+    pub(crate) fn env(&self, state: &State) -> Env {
         let system = match state.entry {
             Entry::Select(id) => self.graph.select(id).system,
             Entry::System(id) => id,

@@ -365,7 +365,7 @@ impl Walk<'_, '_> {
             let inside = self.solid_operand(*operand, number, here)?;
             result = Some(match result {
                 None => inside,
-                Some(before) => before.intersection(&inside, tolerance(&before, &inside)),
+                Some(before) => before.intersection(&inside, before.rounding(&inside)),
             });
         }
         Ok(Line { inside: result.unwrap_or_else(Intervals::empty), crossings: Vec::new() })
@@ -375,7 +375,7 @@ impl Walk<'_, '_> {
         let mut result = self.solid_operand(first, 0, here)?;
         for (number, operand) in others.iter().enumerate() {
             let inside = self.solid_operand(*operand, number + 1, here)?;
-            result = result.difference(&inside, tolerance(&result, &inside));
+            result = result.difference(&inside, result.rounding(&inside));
         }
         Ok(Line { inside: result, crossings: Vec::new() })
     }
@@ -529,12 +529,6 @@ impl shapes::Taker for Parts<'_, '_, '_> {
         self.lines.push(line);
         Ok(())
     }
-}
-
-/// How far apart two events of a Boolean may be and still be one: the error of arithmetic, in t.
-fn tolerance(a: &Intervals<u32>, b: &Intervals<u32>) -> f64 {
-    let ends = [a, b].into_iter().flat_map(|it| it.as_slice()).flat_map(|it| [it.near.t, it.far.t]);
-    ends.filter(|it| it.is_finite()).fold(0.0, |largest: f64, it| largest.max(it.abs())) * 1e-12
 }
 
 fn union(lines: Vec<Line>) -> Line {

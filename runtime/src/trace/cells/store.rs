@@ -4,13 +4,14 @@
 //! lives as long as the generation. When a generation has had its share of the budget, an empty one takes its place; a
 //! thread goes over to it between two rays. What is asked for again is carried over from the one before, and the rest
 //! ends when the next one begins. What no longer fits while a ray is under way is kept apart, for that ray alone
-//! ([`Generation::apart`]).
+//! ([`Generation::apart`]). The cell of a stem of a million segments is larger than any share, and much work: a few of that kind are kept
+//! beside what is counted.
 //!
 //! What is kept follows from the states, cells are built outside all locks, and the first one published wins: no picture
 //! depends on what is kept, or on who built it.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::build;
@@ -49,7 +50,7 @@ pub(super) struct Store<'s> {
     pub(super) bench_bytes: usize,
     generation: Mutex<Arc<Generation>>,
     root: Arc<State>,
-    kept: Arc<Kept>,
+    tally: Arc<Tally>,
     pub(super) expanded: AtomicU64,
     built: AtomicU64,
     most_cells: AtomicU64,
@@ -57,9 +58,17 @@ pub(super) struct Store<'s> {
 
 /// Bytes kept by all generations that are alive.
 #[derive(Debug, Default)]
-struct Kept {
+struct Tally {
     now: AtomicU64,
     most: AtomicU64,
+}
+
+/// A cell that is kept, by one generation or by two.
+#[derive(Debug)]
+struct Kept {
+    cell: Cell,
+    bytes: u64,
+    tally: Arc<Tally>,
 }
 
 /// States and cells that live and die together.
@@ -67,18 +76,22 @@ struct Kept {
 pub(super) struct Generation {
     names: Mutex<Names>,
     /// By grain.
-    cells: [Chunks<OnceLock<Box<Cell>>>; 2],
+    cells: [Chunks<OnceLock<Arc<Kept>>>; 2],
     endings: Chunks<OnceLock<Box<Ending>>>,
     /// The numbers of the states that look from far away as others do.
     models: Chunks<OnceLock<u32>>,
     looks: Arc<Looks>,
     count: AtomicU64,
+    /// Bytes of all but giants, and of what is no cell.
     bytes: AtomicU64,
+    apart: AtomicU64,
+    /// How many giants may still be kept: cells that are larger than a part of what may be.
+    giants: AtomicU32,
     /// From here on, rays begin in another generation.
     enough: u64,
-    /// Beyond this nothing is kept but one cell.
+    /// Beyond this nothing is kept but one cell and giants.
     most: u64,
-    kept: Arc<Kept>,
+    tally: Arc<Tally>,
     /// The one before, until there is another after this.
     before: Mutex<Option<Arc<Self>>>,
 }
@@ -89,7 +102,7 @@ pub(super) struct Generation {
 struct Looks {
     known: Mutex<HashMap<Arc<State>, Arc<Proxy>, BuildQuickHash>>,
     bytes: AtomicU64,
-    kept: Arc<Kept>,
+    tally: Arc<Tally>,
 }
 
 /// The numbers of states.
@@ -118,7 +131,7 @@ impl<'s> Store<'s> {
     pub(super) fn new(scene: &'s Scene, limits: &Limits) -> Result<Self, Fault> {
         let expander = Expander::new(scene, limits);
         let root = Arc::new(expander.root()?);
-        let kept = Arc::new(Kept::default());
+        let tally = Arc::new(Tally::default());
         let threads = rayon::current_num_threads().max(1);
         let budget = usize::try_from(limits.cell_bytes).unwrap_or(usize::MAX);
         Ok(Self {
@@ -129,9 +142,9 @@ impl<'s> Store<'s> {
             limits: *limits,
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
-            generation: Mutex::new(Arc::new(Generation::new(limits, &Arc::new(Looks::new(&kept)), &root, None))),
+            generation: Mutex::new(Arc::new(Generation::new(limits, &Arc::new(Looks::new(&tally)), &root, None))),
             root,
-            kept,
+            tally,
             expanded: AtomicU64::new(0),
             built: AtomicU64::new(0),
             most_cells: AtomicU64::new(0),
@@ -175,7 +188,7 @@ impl<'s> Store<'s> {
             let looks = if current.looks.bytes.load(Ordering::Relaxed) < share(&self.limits) {
                 Arc::clone(&current.looks)
             } else {
-                Arc::new(Looks::new(&self.kept))
+                Arc::new(Looks::new(&self.tally))
             };
             *current = Arc::new(Generation::new(&self.limits, &looks, &self.root, before));
         }
@@ -202,7 +215,7 @@ impl<'s> Store<'s> {
             Some(cell) => cell,
             None => {
                 self.built.fetch_add(1, Ordering::Relaxed);
-                build::build(self, generation, number, grain)?
+                generation.counted(build::build(self, generation, number, grain)?)
             }
         };
         let kept = generation.keep((number, grain), cell);
@@ -220,10 +233,14 @@ impl<'s> Store<'s> {
             states: self.expanded.load(Ordering::Relaxed),
             built: self.built.load(Ordering::Relaxed),
             cells: self.most_cells.load(Ordering::Relaxed),
-            cell_bytes: self.kept.most.load(Ordering::Relaxed),
+            cell_bytes: self.tally.most.load(Ordering::Relaxed),
         }
     }
 }
+
+/// How many giants a generation keeps at most, and how large they are at least, as a part of what it may keep.
+const MOST_GIANTS: u32 = 4;
+const GIANT: u64 = 4;
 
 /// A sixteenth of the budget. Five of these are for each of two generations, one for each of two tables of looks, and four
 /// for the workshops.
@@ -234,7 +251,9 @@ fn share(limits: &Limits) -> u64 {
 impl Generation {
     fn new(limits: &Limits, looks: &Arc<Looks>, root: &Arc<State>, before: Option<Arc<Self>>) -> Self {
         let share = share(limits);
-        Self::with_room_for([4 * share, 5 * share], looks, root, before)
+        let mut generation = Self::with_room_for([4 * share, 5 * share], looks, root, before);
+        generation.giants = AtomicU32::new(MOST_GIANTS);
+        generation
     }
 
     fn with_room_for(
@@ -251,21 +270,33 @@ impl Generation {
             looks: Arc::clone(looks),
             count: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
+            apart: AtomicU64::new(0),
+            giants: AtomicU32::new(0),
             enough: enough.max(1),
             most,
-            kept: Arc::clone(&looks.kept),
+            tally: Arc::clone(&looks.tally),
             before: Mutex::new(before),
         };
         generation.number(root);
         generation
     }
 
-    /// The cell of a state as the generation before has it.
-    fn carried_over(&self, number: u32, grain: Grain) -> Option<Cell> {
+    /// The cell of a state as the generation before has it: the same one, if no states are in it.
+    fn carried_over(&self, number: u32, grain: Grain) -> Option<Arc<Kept>> {
         let before = lock(&self.before).clone()?;
         let there = lock(&before.names).numbers.get(&self.state(number)).copied()?;
-        let cell = before.kept(there, grain)?;
-        Some(cell.renumbered(|it| self.number(&before.state(it))))
+        let kept = before.cells[grain as usize].at(there).get()?;
+        if kept.cell.instances.is_empty() {
+            return Some(Arc::clone(kept));
+        }
+        Some(self.counted(kept.cell.renumbered(|it| self.number(&before.state(it)))))
+    }
+
+    /// A cell that counts as long as it is kept.
+    fn counted(&self, cell: Cell) -> Arc<Kept> {
+        let bytes = (cell.bytes() + size_of::<Kept>()) as u64;
+        self.tally.add(bytes);
+        Arc::new(Kept { cell, bytes, tally: Arc::clone(&self.tally) })
     }
 
     /// A small generation for what no longer fits in this one, in which a state has number 0. It is meant to end with the
@@ -313,7 +344,7 @@ impl Generation {
     /// The cell of a state, if it is there.
     #[inline(always)]
     pub(super) fn kept(&self, number: u32, grain: Grain) -> Option<&Cell> {
-        self.cells[grain as usize].at(number).get().map(AsRef::as_ref)
+        self.cells[grain as usize].at(number).get().map(|it| &it.cell)
     }
 
     /// The state that looks from far away as this one does: where what is below draws, one that stands for all with the same
@@ -356,36 +387,50 @@ impl Generation {
     }
 
     /// Keeps a cell, if there is room for it and no other thread was quicker.
-    fn keep(&self, (number, grain): (u32, Grain), cell: Cell) -> Option<&Cell> {
-        let bytes = cell.bytes() + size_of::<Cell>();
-        let before = self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+    fn keep(&self, (number, grain): (u32, Grain), cell: Arc<Kept>) -> Option<&Cell> {
+        let is_giant = self.takes_as_giant(&cell);
+        let bytes = if is_giant { 0 } else { cell.bytes };
+        let before = self.bytes.fetch_add(bytes, Ordering::Relaxed);
         let is_first = self.count.fetch_add(1, Ordering::Relaxed) == 0;
-        let fits = is_first || before + bytes as u64 <= self.most;
+        let fits = is_first || is_giant || before + bytes <= self.most;
         let place = self.cells[grain as usize].at(number);
-        if fits && place.set(Box::new(cell)).is_ok() {
-            self.kept.add(bytes as u64);
-        } else {
-            self.bytes.fetch_sub(bytes as u64, Ordering::Relaxed);
+        if !fits || place.set(cell).is_err() {
+            self.bytes.fetch_sub(bytes, Ordering::Relaxed);
             self.count.fetch_sub(1, Ordering::Relaxed);
+            self.giants.fetch_add(u32::from(is_giant), Ordering::Relaxed);
         }
-        place.get().map(AsRef::as_ref)
+        place.get().map(|it| &it.cell)
+    }
+
+    /// Whether a cell is kept as one of the few giants.
+    fn takes_as_giant(&self, cell: &Kept) -> bool {
+        let one_less = |left: u32| left.checked_sub(1);
+        cell.bytes > self.most / GIANT
+            && self.giants.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_less).is_ok()
     }
 
     fn count_bytes(&self, bytes: usize) {
         self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
-        self.kept.add(bytes as u64);
+        self.apart.fetch_add(bytes as u64, Ordering::Relaxed);
+        self.tally.add(bytes as u64);
     }
 }
 
 impl Drop for Generation {
     fn drop(&mut self) {
-        self.kept.now.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.tally.now.fetch_sub(self.apart.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
+}
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        self.tally.now.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
 impl Looks {
-    fn new(kept: &Arc<Kept>) -> Self {
-        Self { known: Mutex::default(), bytes: AtomicU64::new(0), kept: Arc::clone(kept) }
+    fn new(tally: &Arc<Tally>) -> Self {
+        Self { known: Mutex::default(), bytes: AtomicU64::new(0), tally: Arc::clone(tally) }
     }
 
     fn keep(&self, state: Arc<State>, proxy: &Arc<Proxy>) {
@@ -393,18 +438,18 @@ impl Looks {
         let bytes = (state.bytes() + size_of::<Proxy>() + 12 * size_of::<usize>()) as u64;
         if lock(&self.known).insert(state, Arc::clone(proxy)).is_none() {
             self.bytes.fetch_add(bytes, Ordering::Relaxed);
-            self.kept.add(bytes);
+            self.tally.add(bytes);
         }
     }
 }
 
 impl Drop for Looks {
     fn drop(&mut self) {
-        self.kept.now.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.tally.now.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
     }
 }
 
-impl Kept {
+impl Tally {
     fn add(&self, bytes: u64) {
         let now = self.now.fetch_add(bytes, Ordering::Relaxed) + bytes;
         self.most.fetch_max(now, Ordering::Relaxed);

@@ -148,10 +148,10 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     problems
 }
 
-/// Warnings about hulls that have nothing in them, whatever is drawn.
-pub fn empty_hulls(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
-    let hulls = compiled.scene.iter().flat_map(|it| treegen_runtime::empty_hulls(it, limits));
-    hulls.filter_map(words::fault::span).map(words::warnings::empty_hull).collect()
+/// Warnings about solids that have nothing in them, whatever is drawn.
+pub fn vain_solids(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
+    let solids = compiled.scene.iter().flat_map(|it| treegen_runtime::vain_solids(it, limits));
+    solids.filter_map(words::warnings::vain).collect()
 }
 
 /// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.

@@ -15,8 +15,8 @@ use common::compiled;
 use jsonschema::Validator;
 use serde_json::{Value, json};
 use treegen_compiler::{
-    Compiled, LoadError, Loaded, Loader, Options, Problem, certain_faults, compile, empty_hulls, idle_rules, pages,
-    show_json, show_json_sentence,
+    Compiled, LoadError, Loaded, Loader, Options, Problem, certain_faults, compile, idle_rules, pages, show_json,
+    show_json_sentence,
 };
 use treegen_runtime::Limits;
 
@@ -53,7 +53,7 @@ fn cases() -> Vec<String> {
 fn problems(compiled: &Compiled) -> Vec<Problem> {
     let mut problems = compiled.problems.clone();
     problems.extend(idle_rules(compiled));
-    problems.extend(empty_hulls(compiled, &Limits::default()));
+    problems.extend(vain_solids(compiled, &Limits::default()));
     if let Some(scene) = &compiled.scene {
         problems.extend(certain_faults(scene, &Limits::default(), &compiled.vocabulary));
     }

@@ -5,27 +5,24 @@
 //! within limits of its own, so that this takes no longer than reading the program. Where something below draws, it is expanded on several
 //! paths, and counts only if it fails on all of them in the same way: what is drawn is not the same on any two.
 
-use std::collections::BTreeSet;
-
 use super::flow::Flow;
-use super::run::{Met, Rest, Run};
+use super::run::Met;
 use super::sketch::AbstractState;
 use super::trouble::Blamed;
 use super::value::Abstract;
-use super::walk::{Formals, Walker};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Origin, Scene};
+use crate::form::Scene;
 use crate::limits::Limits;
-use crate::trace::{Expander, Group, Solid, State};
+use crate::trace::{Expander, State};
 
 /// How many states are expanded.
-const MOST_STATES: usize = 256;
+pub(super) const MOST_STATES: usize = 256;
 
 /// On how many paths a state with draws below it is expanded.
 const PATHS: u32 = 4;
 
 /// What states may come to before nothing is known of them.
-fn bounded(limits: &Limits) -> Limits {
+pub(super) fn bounded(limits: &Limits) -> Limits {
     Limits {
         operations: limits.operations.min(1_000_000),
         repeat: limits.repeat.min(10_000),
@@ -60,43 +57,6 @@ pub(super) fn faults(scene: &Scene, limits: &Limits, flow: &Flow, met: &[Met]) -
     faults
 }
 
-/// Where the hulls stand that have nothing in them, of those that no draw makes.
-pub fn empty_hulls(scene: &Scene, limits: &Limits) -> Vec<Origin> {
-    let flow = Flow::of(scene);
-    let expander = Expander::new(scene, &bounded(limits));
-    let mut walker = Walker::new(Formals::AsGiven);
-    let met = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
-    let mut places = BTreeSet::new();
-    for it in met.unwrap_or_default().iter().filter(|it| it.certain).take(MOST_STATES) {
-        let state = it.way.last().and_then(|(state, _)| concrete(&expander, &flow, state));
-        if let Some(state) = state.filter(|it| it.path.is_none())
-            && let Ok(group) = expander.expand(&state)
-        {
-            note_empty(&group, &mut places);
-        }
-    }
-    places.into_iter().map(|(file, start, end)| Origin { file, start, end }).collect()
-}
-
-/// Notes the places of hulls that have nothing in them.
-fn note_empty(group: &Group, places: &mut BTreeSet<(u32, u32, u32)>) {
-    for item in &group.items {
-        match &item.solid {
-            Solid::Leaf { primitive, origin, .. } => {
-                if primitive.hull().is_some_and(|it| it.is_empty() && it.open().is_none()) {
-                    places.insert((origin.file, origin.start, origin.end));
-                }
-            }
-            Solid::Instance(..) => {}
-            Solid::Intersect(operands) => operands.iter().for_each(|it| note_empty(it, places)),
-            Solid::Difference(first, others) => {
-                note_empty(first, places);
-                others.iter().for_each(|it| note_empty(it, places));
-            }
-        }
-    }
-}
-
 /// What fails in a state for certain.
 fn fault_of(expander: &Expander<'_>, flow: &Flow, state: &AbstractState) -> Option<Fault> {
     let state = concrete(expander, flow, state)?;
@@ -112,7 +72,7 @@ fn fault_of(expander: &Expander<'_>, flow: &Flow, state: &AbstractState) -> Opti
 }
 
 /// The state that an abstract one is, on a path that is made up; none if some of its values are not known.
-fn concrete(expander: &Expander<'_>, flow: &Flow, state: &AbstractState) -> Option<State> {
+pub(super) fn concrete(expander: &Expander<'_>, flow: &Flow, state: &AbstractState) -> Option<State> {
     let known = flow.at(state.entry).slots.iter().zip(&state.slots);
     let value = |slot| match known.clone().find(|it| it.0.0 == slot)?.1 {
         Abstract::Exact(value) => Some(value.clone()),

@@ -18,7 +18,7 @@ use super::cell::{Cell, Grain};
 use super::ending::Ending;
 use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
-use crate::abstraction::{HyperBoxes, Survey};
+use crate::abstraction::{Circle, HyperBoxes, Survey};
 use crate::fault::{Fault, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
@@ -71,6 +71,8 @@ pub(super) struct Generation {
     endings: Chunks<OnceLock<Box<Ending>>>,
     /// The numbers of the states that look from far away as others do.
     models: Chunks<OnceLock<u32>>,
+    /// The recursions in which states may go on without an end.
+    endless: Chunks<OnceLock<Option<Circle>>>,
     looks: Arc<Looks>,
     count: AtomicU64,
     bytes: AtomicU64,
@@ -248,6 +250,7 @@ impl Generation {
             cells: [Chunks::new(), Chunks::new()],
             endings: Chunks::new(),
             models: Chunks::new(),
+            endless: Chunks::new(),
             looks: Arc::clone(looks),
             count: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
@@ -323,6 +326,29 @@ impl Generation {
             None => number,
             Some(model) => self.number(&Arc::new(model)),
         })
+    }
+
+    /// The recursion that a state is in, if so many of it are inside one another in the state that there may be no end of them, and the
+    /// program gives nothing that stands for it.
+    ///
+    /// # Errors
+    /// What fails in finding its bounds.
+    pub(super) fn endless(&self, store: &Store, number: u32) -> Result<Option<Circle>, Fault> {
+        let place = self.endless.at(number);
+        if let Some(known) = place.get() {
+            return Ok(*known);
+        }
+        let state = self.state(number);
+        let circle = store.survey.circle(state.entry).filter(|_| store.expander.proxy(state.entry).is_none());
+        let endless = match circle {
+            Some(circle) => {
+                let mut shop = store.workshop();
+                let number = shop.number_of(&state);
+                shop.is_tall(number)?.then_some(circle)
+            }
+            None => None,
+        };
+        Ok(*place.get_or_init(|| endless))
     }
 
     /// What stands for a state from far away, if that is known.

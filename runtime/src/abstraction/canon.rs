@@ -30,14 +30,14 @@ const MOST_MODEST: usize = 1 << 10;
 const MOST_CALLS: usize = 1 << 17;
 /// Calls in the states of a search whose sketches are kept until they are needed: each takes half a kilobyte. Of more than these, states
 /// are drawn again.
-const MOST_SKETCHED: usize = 1 << 12;
+const MOST_SKETCHED: usize = 1 << 14;
 /// Calls in the states of one cycle, which are all needed at once.
 const MOST_ROUND: usize = 1 << 14;
 /// States of a run that turn out to lead to too many, after which no other one is tried.
 const MOST_TRIED: u32 = 16;
 /// States with any numbers that are kept before all of them are forgotten.
 const MOST_VAGUE: usize = 1 << 10;
-/// States that are kept before all of them are forgotten.
+/// States that are kept before all of them are forgotten: more than one search finds, or each would be made again.
 const MOST_KEPT: usize = 1 << 16;
 
 /// A kept state.

@@ -61,7 +61,7 @@ impl Survey {
             flow,
             depth: limits.depth,
             canon: Mutex::new(Canon::new(limits)),
-            translated: Translated::default(),
+            translated: Translated::new(limits),
         };
         Self { strict: lens(Flow::of(scene)), coarse: Flow::with_measures_as_data(scene).map(lens) }
     }

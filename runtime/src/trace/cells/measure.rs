@@ -38,6 +38,8 @@ const RAYS: u32 = 64;
 const WIDTH: f64 = 1.0 / 12.0;
 /// States on paths of their own that stand for all that have the same values.
 const LIKENESSES: u32 = 4;
+/// How wide the rays are where draws are made without an end: each branch is a state of its own, and there are so many fewer.
+const WIDTH_WITHOUT_END: f64 = 1.0 / 6.0;
 
 /// A state that is being measured.
 #[derive(Clone, Copy, Debug)]
@@ -88,18 +90,22 @@ pub(super) fn measure<K: Kernel>(
     ask: &mut Ask,
 ) -> Result<Proxy, Fault> {
     let nested = ask.nested;
+    // Of what draws without an end one has to do.
+    let draws_on = generation.state(state).path.is_some() && generation.endless(tracing.store, state)?.is_some();
+    let (count, width) = if draws_on { (1, WIDTH_WITHOUT_END) } else { (LIKENESSES, WIDTH) };
     let state = generation.state(state);
     further(ask, move |_| {
         let here = Measuring { circle: tracing.store.survey.circle(state.entry) };
         let mut survey = Survey::default();
-        let likenesses = likenesses(&state);
+        let likenesses = likenesses(&state, count);
         for (number, likeness) in likenesses.iter().enumerate() {
             let mut notes = Notes::default();
             let share = (number as u32, likenesses.len() as u32);
-            let generation = Arc::new(generation.beside(likeness));
+            let generation = tracing.store.beside(generation, likeness);
             let way = Inwards::new(glam::DAffine3::IDENTITY);
-            let mut surveyor = Surveyor { tracing, generation, measuring: &here, nested, way };
+            let mut surveyor = Surveyor { tracing, generation, measuring: &here, width, nested, way };
             surveyor.look(share, &mut survey, &mut notes)?;
+            tracing.store.has_measured(surveyor.generation);
         }
         let kind = BuildQuickHash::default().hash_one(&*state);
         Ok(survey.proxy(kind))
@@ -107,10 +113,10 @@ pub(super) fn measure<K: Kernel>(
 }
 
 /// The states that are looked at for a state: it alone if there is no chance in it.
-fn likenesses(state: &Arc<State>) -> Vec<Arc<State>> {
+fn likenesses(state: &Arc<State>, count: u32) -> Vec<Arc<State>> {
     match state.path {
         None => vec![Arc::clone(state)],
-        Some(_) => (0..LIKENESSES).filter_map(|it| state.likeness(it)).map(Arc::new).collect(),
+        Some(_) => (0..count).filter_map(|it| state.likeness(it)).map(Arc::new).collect(),
     }
 }
 
@@ -120,6 +126,8 @@ struct Surveyor<'a, 's, K: Kernel> {
     /// One that begins with the state.
     generation: Arc<Generation>,
     measuring: &'a Measuring,
+    /// How wide the rays are, in parts of the state's size.
+    width: f64,
     nested: u32,
     way: Inwards,
 }
@@ -134,7 +142,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
     fn look(&mut self, (which, of): (u32, u32), survey: &mut Survey, notes: &mut Notes) -> Result<(), Fault> {
         let bounds = self.cell(&self.generation)?.bounds;
         let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
-        let girth = Girth { width: 2.0 * half.max_element() * WIDTH, spread: 0.0 };
+        let girth = Girth { width: 2.0 * half.max_element() * self.width, spread: 0.0 };
         let mut seen = Seen::default();
         for (view, direction) in directions().enumerate() {
             survey.look(view, direction);

@@ -48,6 +48,8 @@ pub(super) struct Store<'s> {
     /// Bytes that each may keep.
     pub(super) bench_bytes: usize,
     generation: Mutex<Arc<Generation>>,
+    /// The generation in which a state was measured last.
+    measured: Mutex<Option<Arc<Generation>>>,
     root: Arc<State>,
     kept: Arc<Kept>,
     pub(super) expanded: AtomicU64,
@@ -80,6 +82,8 @@ pub(super) struct Generation {
     enough: u64,
     /// Beyond this nothing is kept but one cell.
     most: u64,
+    /// Whether something is measured in it.
+    measures: bool,
     kept: Arc<Kept>,
     /// The one before, until there is another after this.
     before: Mutex<Option<Arc<Self>>>,
@@ -132,6 +136,7 @@ impl<'s> Store<'s> {
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
             generation: Mutex::new(Arc::new(Generation::new(limits, &Arc::new(Looks::new(&kept)), &root, None))),
+            measured: Mutex::default(),
             root,
             kept,
             expanded: AtomicU64::new(0),
@@ -182,6 +187,22 @@ impl<'s> Store<'s> {
             *current = Arc::new(Generation::new(&self.limits, &looks, &self.root, before));
         }
         Arc::clone(&current)
+    }
+
+    /// A small generation in which a state has number 0, to measure what it looks like: most of what is met there is of use only where a
+    /// state of the same recursion is measured, which is what comes next as a rule.
+    pub(super) fn beside(&self, generation: &Generation, state: &Arc<State>) -> Arc<Generation> {
+        let most = generation.most / if generation.measures { 2 } else { 4 };
+        let before = lock(&self.measured).clone();
+        let mut beside = Generation::with_room_for([most - most / 4, most], &generation.looks, state, before);
+        beside.measures = true;
+        Arc::new(beside)
+    }
+
+    /// Keeps a generation in which a state was measured for the next one.
+    pub(super) fn has_measured(&self, generation: Arc<Generation>) {
+        *lock(&generation.before) = None;
+        *lock(&self.measured) = Some(generation);
     }
 
     /// The cell of a state; `None` if it is not there and there is no room for it.
@@ -256,6 +277,7 @@ impl Generation {
             bytes: AtomicU64::new(0),
             enough: enough.max(1),
             most,
+            measures: false,
             kept: Arc::clone(&looks.kept),
             before: Mutex::new(before),
         };
@@ -279,18 +301,13 @@ impl Generation {
         Self::with_room_for([most; 2], &self.looks, &self.state(number), None)
     }
 
-    /// A small generation in which a state has number 0, to measure what it looks like: most of what is met there is of no
-    /// other use.
-    pub(super) fn beside(&self, state: &Arc<State>) -> Self {
-        let most = self.most / 8;
-        Self::with_room_for([most - most / 4, most], &self.looks, state, None)
-    }
-
     /// The one after this, which begins with the same state: what is asked for again is carried over.
     pub(super) fn next(self: Arc<Self>) -> Arc<Self> {
         *lock(&self.before) = None;
         let (room, root) = ([self.enough, self.most], self.state(super::ROOT));
-        Arc::new(Self::with_room_for(room, &self.looks, &root, Some(Arc::clone(&self))))
+        let mut next = Self::with_room_for(room, &self.looks, &root, Some(Arc::clone(&self)));
+        next.measures = self.measures;
+        Arc::new(next)
     }
 
     /// The number of a state: equal states have the same one.

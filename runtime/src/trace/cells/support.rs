@@ -137,11 +137,8 @@ impl Workshop<'_, '_> {
             if next.most <= reach.best + reach.slack {
                 continue;
             }
-            opened += match (self.is_rare(next.state), self.is_tall(next.state)?) {
-                (true, _) => RARE,
-                (false, true) => TALL,
-                (false, false) => 1,
-            };
+            let rare = if self.is_rare(next.state) { RARE } else { 1 };
+            opened += rare * if self.is_tall(next.state)? { TALL } else { 1 };
             if opened > MOST_OPENED {
                 return Ok(reach.open.iter().map(|it| it.most).fold(reach.best.max(next.most), f64::max));
             }

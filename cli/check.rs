@@ -17,14 +17,19 @@ use crate::supervise::{Progress, supervise};
 pub fn check(arguments: Check, console: Console) -> Result<(), Failure> {
     let name = shown(&arguments.file);
     let progress = Progress::listen()?;
-    supervise(&progress, Bar::new(console), move |progress| {
+    let warnings = supervise(&progress, Bar::new(console), move |progress| {
         let limits = arguments.program.limits();
         if arguments.fix {
             fix(&arguments, progress, console)?;
         }
-        compile(&arguments.file, &arguments.program, limits, console)?.follow(&limits, console)
+        let understood = compile(&arguments.file, &arguments.program, limits, console)?;
+        understood.follow(&limits, console).map(|()| understood.warnings)
     })?;
-    console.tell(&format!("{name}: no mistakes found"));
+    console.tell(&match warnings {
+        0 => format!("{name}: no mistakes found"),
+        1 => format!("{name}: no errors, 1 warning"),
+        _ => format!("{name}: no errors, {warnings} warnings"),
+    });
     Ok(())
 }
 

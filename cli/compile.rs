@@ -23,6 +23,8 @@ pub struct Understood {
     pub sources: Sources,
     /// Its names for values.
     pub vocabulary: Vocabulary,
+    /// How many warnings there were.
+    pub warnings: usize,
 }
 
 /// Reads and compiles a program, and prints its warnings.
@@ -33,7 +35,9 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
     let (files, mut compiled) = look(file, program, limits)?;
     let idle = treegen_compiler::idle_rules(&compiled);
     compiled.problems.extend(idle);
-    let unseen = treegen_compiler::unseen(&compiled, &limits);
+    let vain = treegen_compiler::vain_solids(&compiled, &limits);
+    compiled.problems.extend(vain);
+    let unseen = treegen_compiler::unseen_segments(&compiled, &limits);
     compiled.problems.extend(unseen);
     treegen_compiler::sort(&mut compiled.problems);
     let Compiled { sources, mut scene, mut problems, vocabulary, .. } = compiled;
@@ -45,7 +49,7 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
     match scene {
         Some(scene) => {
             console.warn(&words);
-            Ok(Understood { files, scene, sources, vocabulary })
+            Ok(Understood { files, scene, sources, vocabulary, warnings: problems.len() })
         }
         None => Err(Failure::diagnostics(exit_of(&problems), words)),
     }

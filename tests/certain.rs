@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use common::compiled;
-use treegen_compiler::{Problem, certain_faults, problem_of_fault, show, unseen};
+use treegen_compiler::{Problem, certain_faults, problem_of_fault, show, unseen_segments, vain_solids};
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
@@ -101,7 +101,7 @@ fn slab(floor_and_ceiling: &str) -> String {
 fn a_hull_with_nothing_in_it_is_warned_of() {
     let warned = |walk: &str| {
         let compiled = compiled(&slab(walk));
-        unseen(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
+        vain_solids(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
     };
     assert_eq!(warned("[ normal(1) ] [ move(0, 0, 3) rotx(180) normal(1) ]"), ["W0010"]);
     // A flat one, a thin one and a usual one have something in them.
@@ -118,7 +118,7 @@ fn a_hull_with_nothing_in_it_is_warned_of() {
 fn a_segment_that_is_always_left_out_is_warned_of() {
     let warned = |walk: &str| {
         let compiled = compiled(&format!("shape A(n = 0, len = 1) {{ start {walk} segment(1, .1, .1); }}"));
-        let found = unseen(&compiled, &Limits::default());
+        let found = unseen_segments(&compiled, &Limits::default());
         found.iter().map(|it| (it.code, compiled.sources.text(it.labels[0].span).to_owned())).collect::<Vec<_>>()
     };
     for walk in [
@@ -128,7 +128,7 @@ fn a_segment_that_is_always_left_out_is_warned_of() {
         "segment(n * random(0, 1), .1, .2)",
         "segment(floor(len / 2), .1, .1)",
     ] {
-        assert_eq!(warned(&format!("move(1, 0, 0) {walk}")), [("W0011", walk.to_owned())], "{walk}");
+        assert_eq!(warned(&format!("move(1, 0, 0) {walk}")), [("W0012", walk.to_owned())], "{walk}");
     }
     // What is seen somewhere, or with some luck.
     for walk in [
@@ -140,5 +140,38 @@ fn a_segment_that_is_always_left_out_is_warned_of() {
         "if n > 0 { segment(0, .1, .1) }",
     ] {
         assert_eq!(warned(walk), [], "{walk}");
+    }
+}
+
+#[test]
+fn a_solid_of_which_nothing_is_left_is_warned_of() {
+    let warned = |solid: &str| {
+        let compiled = compiled(&format!("scene {{ show {solid}; }}"));
+        vain_solids(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
+    };
+    for solid in [
+        "sphere & move(2.1, 0, 0) sphere",
+        "sphere & box & move(0, 3, 0) cylinder",
+        "box & halfspace(0, 0, 1, -1.5)",
+        "(sphere | move(3, 0, 0) sphere) & move(0, 3, 0) (sphere | box)",
+        "box \\ box",
+        "rotz(20) (torus(.3) \\ torus(.3))",
+        "cone(1, .5) \\ sphere \\ cone(1, .5)",
+        "sphere \\ uscale(1 - 1e-17) sphere",
+        "box | move(0, 0, 3) (sphere & move(5, 0, 0) sphere)",
+    ] {
+        assert_eq!(warned(solid), ["W0011"], "{solid}");
+    }
+    for solid in [
+        "sphere & move(1.9, 0, 0) sphere",
+        "box \\ uscale(1 - 1e-9) box",
+        "cone(1, .5) \\ cone(1, .4)",
+        "cone(.5, 1) \\ cone(.4, 1)",
+        "torus(.3) \\ torus(.2)",
+        "(box | sphere) \\ box",
+        "repeat 5 as i { sphere & move(i, 0, 0) box }",
+        "sphere & move(random(5, 6), 0, 0) sphere",
+    ] {
+        assert_eq!(warned(solid), Vec::<&str>::new(), "{solid}");
     }
 }

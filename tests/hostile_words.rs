@@ -222,6 +222,8 @@ fn what_is_there_twice_is_told_with_both_places() {
         ("scene { show sphere; } scene { show box; }", "E0611"),
         ("csg A { start sphere; } shape A { start nothing; }", "E0305"),
         ("csg B(x) { start uscale(x) sphere; } csg A { start B(1, x: 2); }", "E0404"),
+        ("csg A { start T(1); one: T(n) if n > 2 -> box; one: T(n) -> sphere; }", "E0305"),
+        ("shape A { start T; one: T @ 1 -> T; one: T @ 2 -> segment(1, .1, .1); }", "E0305"),
     ] {
         let Compiled { problems, .. } = compiled(text);
         let error = problems.iter().find(|it| it.is_error());

@@ -149,8 +149,8 @@ fn mutant(text: &str, numbers: &mut Numbers) -> (String, usize) {
 
 /// What became of a mutant.
 enum Outcome {
-    /// A mistake, with the lines that its message shows: the one where it is, and those that it follows from.
-    Refused(Vec<usize>),
+    /// A mistake, with the lines that its message shows, the one where it is and those that it follows from, and all that is said.
+    Refused(Vec<usize>, String),
     /// A picture, or a program that there would be one of.
     Drawn,
     Failed,
@@ -164,13 +164,13 @@ fn try_it(text: &str) -> Outcome {
     compiled.problems.extend(idle);
     let shown = show(&compiled.problems, &compiled.sources, false);
     assert!(shown.len() < 65_536 * 2 && !show_json(&compiled.problems, &compiled.sources).contains('\u{1b}'));
-    let Some(scene) = &compiled.scene else { return Outcome::Refused(first_lines(&compiled)) };
+    let Some(scene) = &compiled.scene else { return Outcome::Refused(first_lines(&compiled), shown) };
     if drawn_count().is_none() {
         return Outcome::Drawn;
     }
     let faults = certain_faults(scene, &limits, &compiled.vocabulary);
     if let Some(fault) = faults.first() {
-        return Outcome::Refused(lines(fault, &compiled));
+        return Outcome::Refused(lines(fault, &compiled), show(&faults, &compiled.sources, false));
     }
     let options = RenderOptions { size: Some((8, 6)), samples: Some(1), ..RenderOptions::default() };
     let picture =
@@ -188,6 +188,11 @@ fn try_it(text: &str) -> Outcome {
     }
 }
 
+/// A line of a text.
+fn line_of(text: &str, number: usize) -> &str {
+    text.lines().nth(number - 1).unwrap_or_default()
+}
+
 /// The lines that the first error shows.
 fn first_lines(compiled: &Compiled) -> Vec<usize> {
     compiled.problems.iter().find(|it| it.is_error()).map_or(Vec::new(), |it| lines(it, compiled))
@@ -202,18 +207,23 @@ fn whatever_is_changed_there_is_a_picture_or_a_message_near_the_change() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(256 << 20).build().unwrap();
     let (mut refused, mut near, mut nearest, mut drawn, mut failed) = (0, 0, 0, 0, 0);
     let mut wrong = Vec::new();
+    let mut far = Vec::new();
     for (number, (name, text)) in programs().into_iter().enumerate() {
         let mut numbers = Numbers(number as u64 + 1);
         for _ in 0..count() {
             let (changed, at) = mutant(&text, &mut numbers);
             let outcome = catch_unwind(AssertUnwindSafe(|| pool.install(|| try_it(&changed))));
             match outcome {
-                Ok(Outcome::Refused(lines)) => {
+                Ok(Outcome::Refused(lines, said)) => {
                     refused += 1;
                     let edited = text[..at].matches('\n').count() + 1;
                     let is_near = |it: &usize| it.abs_diff(edited) <= 3;
                     near += usize::from(lines.iter().any(is_near));
-                    nearest += usize::from(lines.first().is_some_and(is_near));
+                    let is_nearest = lines.first().is_some_and(is_near);
+                    nearest += usize::from(is_nearest);
+                    if !is_nearest {
+                        far.push(format!("{name}, line {edited}: {}\n{said}", line_of(&changed, edited)));
+                    }
                 }
                 Ok(Outcome::Drawn) => drawn += 1,
                 Ok(Outcome::Failed) => failed += 1,
@@ -224,6 +234,9 @@ fn whatever_is_changed_there_is_a_picture_or_a_message_near_the_change() {
     println!(
         "{refused} refused, {near} of them near, {nearest} by their first place; {drawn} drawn, {failed} failed while they were"
     );
+    if std::env::var_os("TREEGEN_FAR").is_some() {
+        println!("{}", far.join("\n\n"));
+    }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(refused > count() && drawn > count(), "the changes change too much or too little");
     assert!(near * 100 >= refused * 99, "{near} of {refused} are near");

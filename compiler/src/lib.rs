@@ -44,7 +44,7 @@ pub use vocabulary::Vocabulary;
 
 use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::mesh::LeftOut;
-use treegen_runtime::{Fault, Limits, Unseen};
+use treegen_runtime::{Fault, Limits};
 
 use lower::code::Values;
 
@@ -148,14 +148,16 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     problems
 }
 
-/// Warnings about what is laid down and never seen, whatever is drawn: hulls that have nothing in them, and segments without length or
-/// thickness.
-pub fn unseen(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
-    let Some(scene) = &compiled.scene else { return Vec::new() };
-    let Unseen { hulls, segments } = treegen_runtime::unseen(scene, limits);
-    let hulls = hulls.into_iter().filter_map(words::fault::span).map(words::warnings::empty_hull);
-    let segments = segments.into_iter().filter_map(words::fault::span).map(words::warnings::unseen_segment);
-    hulls.chain(segments).collect()
+/// Warnings about solids that have nothing in them, whatever is drawn.
+pub fn vain_solids(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
+    let solids = compiled.scene.iter().flat_map(|it| treegen_runtime::vain_solids(it, limits));
+    solids.filter_map(words::warnings::vain).collect()
+}
+
+/// Warnings about segments that are left out, whatever is drawn: they have no length, or no thickness.
+pub fn unseen_segments(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
+    let segments = compiled.scene.iter().flat_map(|it| treegen_runtime::unseen_segments(it, limits));
+    segments.filter_map(words::fault::span).map(words::warnings::unseen_segment).collect()
 }
 
 /// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.

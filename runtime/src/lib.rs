@@ -24,6 +24,6 @@ pub mod scan;
 pub mod texture;
 pub mod trace;
 
-pub use abstraction::{IdleRule, Unseen, certain_faults, idle_rules, unseen};
+pub use abstraction::{IdleRule, Vain, certain_faults, idle_rules, unseen_segments, vain_solids};
 pub use fault::{Fault, FaultKind, Limit, TrailStep};
 pub use limits::Limits;

@@ -16,7 +16,7 @@ use jsonschema::Validator;
 use serde_json::{Value, json};
 use treegen_compiler::{
     Compiled, LoadError, Loaded, Loader, Options, Problem, certain_faults, compile, idle_rules, pages, show_json,
-    show_json_sentence, unseen,
+    show_json_sentence, unseen_segments, vain_solids,
 };
 use treegen_runtime::Limits;
 
@@ -53,7 +53,8 @@ fn cases() -> Vec<String> {
 fn problems(compiled: &Compiled) -> Vec<Problem> {
     let mut problems = compiled.problems.clone();
     problems.extend(idle_rules(compiled));
-    problems.extend(unseen(compiled, &Limits::default()));
+    problems.extend(vain_solids(compiled, &Limits::default()));
+    problems.extend(unseen_segments(compiled, &Limits::default()));
     if let Some(scene) = &compiled.scene {
         problems.extend(certain_faults(scene, &Limits::default(), &compiled.vocabulary));
     }

@@ -44,7 +44,7 @@ pub(crate) struct OfPi {
     pub(crate) times: f64,
     /// Whether that is all: nothing unknown is multiplied with it or added to it.
     pub(crate) is_whole: bool,
-    /// Where `pi` is written, or a number that stands for so many of it.
+    /// Where `pi` is written, or a number that stands for so many of it, or the value of a name that is such a part.
     pub(crate) place: Span,
     /// How many of it are written there.
     pub(crate) written: f64,
@@ -94,7 +94,8 @@ impl Infer<'_> {
                 left
             }
             ExprKind::Global(_) | ExprKind::Slot(_) if names > 0 => {
-                self.value_of(site, expr).map_or(Product::UNKNOWN, |it| self.product(site, it, names - 1))
+                let value = self.value_of(site, expr);
+                value.map_or(Product::UNKNOWN, |it| self.product(site, it, names - 1).written_at(it.span))
             }
             _ => Product::UNKNOWN,
         }
@@ -130,6 +131,12 @@ impl Product {
             Some(times) => Self { number: times, power: 1, is_whole: true, place: Some((span, times)) },
             None => Self { number, power: 0, is_whole: true, place: None },
         }
+    }
+
+    /// The same behind a name: the whole value is what can be written in degrees.
+    fn written_at(self, value: Span) -> Self {
+        let place = if self.is_whole { Some((value, self.number)) } else { self.place };
+        Self { place: self.place.and(place), ..self }
     }
 
     fn times(self, factor: f64) -> Self {

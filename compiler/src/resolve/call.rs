@@ -51,6 +51,11 @@ impl Resolver<'_> {
                 }
                 _ => {
                     self.waste(scope, args);
+                    if path.qualifier.is_none()
+                        && self.tell_of_hidden(scope, "solid", &path.name.text, named, path.span())
+                    {
+                        return error;
+                    }
                     let def = self.program.def(named.def);
                     let problem =
                         words::names::not_a("solid", &path.name.text, def.kind.word(), path.span(), Some(def.span));

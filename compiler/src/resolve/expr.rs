@@ -156,6 +156,11 @@ impl Resolver<'_> {
                 (self.call(scope, id, name, args, head.to(*place)), rest)
             }
             (Some(meaning), [Tail::Call(..), ..]) => {
+                if let Some(named) = named
+                    && self.tell_of_hidden(scope, "function", name, named, head)
+                {
+                    return self.skip(scope, links);
+                }
                 let kind = named.map_or("name", |it| self.program.def(it.def).kind.word());
                 let problem = match meaning {
                     Meaning::Module(_) | Meaning::System(_) => words::names::not_a_value(name, kind, head, None),

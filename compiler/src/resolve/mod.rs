@@ -69,6 +69,7 @@ pub(crate) fn resolve(input: &Input<'_>, problems: &mut Vec<Problem>) -> Program
         labels: Vec::new(),
         unknown: BTreeSet::new(),
         unfound: Vec::new(),
+        hiding: HashSet::new(),
         slots_full: false,
         has_default: HashSet::new(),
         uneven: HashSet::new(),
@@ -103,6 +104,8 @@ struct Resolver<'a> {
     unknown: BTreeSet<(FileId, Option<SystemId>, String)>,
     /// Those of them that nothing looks like.
     unfound: Vec<unfound::Unfound>,
+    /// Names that hide a built-in one that is meant somewhere: each is told of once.
+    hiding: HashSet<DefId>,
     slots_full: bool,
     /// The formals that a call need not give.
     has_default: HashSet<DefId>,

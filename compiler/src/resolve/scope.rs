@@ -127,10 +127,22 @@ impl<'o> Resolver<'o> {
 
     /// Warns when a name hides a built-in one.
     pub(super) fn warn_if_builtin(&mut self, name: &Name, walk: bool) {
-        let word = if walk && builtin::is_walk_word(&name.text) { Some("word") } else { builtin::describe(&name.text) };
-        if let Some(word) = word {
+        if let Some(word) = builtin_word(&name.text, walk) {
             self.problems.push(words::warnings::hides_builtin(&name.text, word, name.span));
         }
+    }
+
+    /// Whether a name that is used as something that it is not hides a built-in one that is meant. If so, it is told, at the
+    /// definition that hides it: there it can be mended.
+    pub(super) fn tell_of_hidden(&mut self, scope: &Scope, needed: &str, name: &str, named: Named, span: Span) -> bool {
+        let Some(word) = builtin_word(name, scope.walk) else { return false };
+        let def = self.program.def(named.def);
+        let problem = words::names::hides_what_is_meant(needed, name, word, (def.kind.word(), def.span), span);
+        self.break_def(scope.def);
+        if self.hiding.insert(named.def) {
+            self.problems.push(problem);
+        }
+        true
     }
 
     /// What a name means here, without a word about it.
@@ -238,4 +250,9 @@ impl<'o> Resolver<'o> {
         let sources = self.sources;
         sources.text(span).split(move |it| !is_word(it)).filter(|it| !it.is_empty()).map(str::to_owned)
     }
+}
+
+/// What a built-in name stands for.
+fn builtin_word(name: &str, walk: bool) -> Option<&'static str> {
+    if walk && builtin::is_walk_word(name) { Some("word") } else { builtin::describe(name) }
 }

@@ -2,7 +2,7 @@
 
 use treegen_grammar::{FileId, Span};
 use treegen_runtime::export::Boolean;
-use treegen_runtime::form::{Origin, TransformKind, Value};
+use treegen_runtime::form::{Origin, PrimitiveKind, TransformKind, Value};
 use treegen_runtime::mesh::{LeftOut, WhatLeftOut};
 use treegen_runtime::{Fault, FaultKind, Limit, TrailStep};
 
@@ -133,11 +133,9 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             let (what, label) = singular(*kind, values);
             ("E1009", format!("`{}({})` {what}", kind.name(), numbers(values)), label.to_owned())
         }
-        FaultKind::Primitive { kind, values } => (
-            "E1010",
-            format!("`{}({})` is no solid", kind.name(), numbers(values)),
-            "these numbers make none".to_owned(),
-        ),
+        FaultKind::Primitive { kind, values } => {
+            ("E1010", format!("`{}({})` is no solid", kind.name(), numbers(values)), needed(*kind).to_owned())
+        }
         FaultKind::Segment { values } => (
             "E1013",
             format!("`segment({})` cannot be laid", numbers(values)),
@@ -271,6 +269,27 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::Triangles => "the mesh has more triangles than the limit",
         Limit::MeshTriangles => "the meshes that are read have more triangles than the limit",
         Limit::Samples => "a pixel has more samples than the limit",
+    }
+}
+
+/// What the numbers of a primitive have to be.
+fn needed(kind: PrimitiveKind) -> &'static str {
+    match kind {
+        PrimitiveKind::Cone => "its radii are 0 or more, and not both are 0",
+        PrimitiveKind::Torus => "the radius of its tube is above 0",
+        PrimitiveKind::HalfSpace => "its first three numbers are a direction, and not all are 0",
+        PrimitiveKind::Ellipsoid | PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => {
+            "all of its numbers are above 0"
+        }
+        PrimitiveKind::Quadric => "one of its first nine numbers is not 0",
+        PrimitiveKind::Sphere
+        | PrimitiveKind::Cylinder
+        | PrimitiveKind::Box
+        | PrimitiveKind::Tetrahedron
+        | PrimitiveKind::Triangle
+        | PrimitiveKind::Segment
+        | PrimitiveKind::Hull
+        | PrimitiveKind::Mesh { .. } => "these numbers make none",
     }
 }
 

@@ -96,6 +96,20 @@ pub(crate) fn not_a(needed: &str, name: &str, what: &str, span: Span, defined: O
     with_definition(Problem::error("E0307", message, span, format!("{} is needed here", a(needed))), what, defined)
 }
 
+/// A name that hides the built-in one that is meant: `needed` says as what, `what` it is and where it is defined.
+pub(crate) fn hides_what_is_meant(
+    needed: &str,
+    name: &str,
+    builtin: &str,
+    (what, defined): (&str, Span),
+    span: Span,
+) -> Problem {
+    let message = format!("`{name}` is {}, not {}", a(what), a(needed));
+    Problem::error("E0307", message, defined, format!("it hides the built-in {builtin} of that name"))
+        .and(span, format!("{} is needed here", a(needed)))
+        .note(format!("with another name for the {what}, the built-in {builtin} is seen"))
+}
+
 fn with_definition(problem: Problem, what: &str, defined: Option<Span>) -> Problem {
     match defined {
         Some(span) => problem.and(span, format!("the {what}")),

@@ -1,10 +1,12 @@
 //! Warnings: `W`.
 
 use treegen_grammar::Span;
+use treegen_runtime::Vain;
 
 use crate::check::{Counter, OfPi};
 use crate::problem::{Problem, Safety};
 use crate::sources::Sources;
+use crate::words::fault::span;
 
 /// A definition that nothing uses.
 pub(crate) fn unused(what: &str, name: &str, span: Span) -> Problem {
@@ -86,18 +88,44 @@ pub(crate) fn radians(taker: &str, span: Span, part: OfPi) -> Problem {
             let number = degrees(part.written);
             problem.suggest("half a turn is `180`", Safety::Unsafe, part.place, number.to_string())
         }
-        _ => problem.and(part.place, "radians by this"),
+        (false, _) => {
+            let number = degrees(part.written);
+            // What has a name may have other uses, where it is no angle.
+            problem.and(part.place, "radians by this").note(format!("in degrees that is `{number}`"))
+        }
+    }
+}
+
+/// A solid that nothing lies in; none if it has no place in the text.
+pub(crate) fn vain(vain: Vain) -> Option<Problem> {
+    match vain {
+        Vain::Hull(origin) => Some(empty_hull(span(origin)?)),
+        Vain::Apart(first, other) => Some(
+            Problem::warning(
+                "W0011",
+                "this intersection is empty",
+                span(other)?,
+                "does not meet what stands before it",
+            )
+            .and(span(first)?, "the intersection begins here")
+            .note("`&` keeps what lies in all that it joins"),
+        ),
+        Vain::CutAway(cut, by) => Some(
+            Problem::warning("W0011", "nothing is left of this", span(cut)?, "all of it is cut away")
+                .and(span(by)?, "by this, which is the same solid in the same place")
+                .note("a wall that is thinner than a millionth of a millionth of its solid is nothing"),
+        ),
     }
 }
 
 /// A hull that nothing lies in.
-pub(crate) fn empty_hull(span: Span) -> Problem {
+fn empty_hull(span: Span) -> Problem {
     Problem::warning("W0010", "this hull is empty", span, "nothing lies behind all of its planes")
         .note("a plane keeps the side that its walk stands on")
 }
 
 /// A segment that is always left out.
 pub(crate) fn unseen_segment(span: Span) -> Problem {
-    Problem::warning("W0011", "this segment is never seen", span, "it has no length, or no thickness at either end")
+    Problem::warning("W0012", "this segment is never seen", span, "it has no length, or no thickness at either end")
         .note("`move(0, 0, length)` goes on without a segment")
 }

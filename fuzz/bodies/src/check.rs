@@ -2,7 +2,7 @@
 
 use treegen_compiler::{
     Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, Problem, Sources, certain_faults, compile, idle_rules,
-    mend, show, show_json,
+    mend, show, show_json, vain_solids,
 };
 
 use crate::limits;
@@ -22,6 +22,7 @@ pub fn check(text: &str) {
     let compiled = compiled(text);
     if let Some(scene) = &compiled.scene {
         shown(&idle_rules(&compiled), &compiled.sources);
+        shown(&vain_solids(&compiled, &limits()), &compiled.sources);
         shown(&certain_faults(scene, &limits(), &compiled.vocabulary), &compiled.sources);
     }
     let mut mended = first_mended(&compiled);

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use treegen_compiler::{Compiled, certain_faults, idle_rules, problem_of_fault};
+use treegen_compiler::{Compiled, certain_faults, idle_rules, problem_of_fault, vain_solids};
 use treegen_runtime::export::{Pieces, write_gltf, write_json};
 use treegen_runtime::form::Scene;
 use treegen_runtime::mesh::{self, StemSurface};
@@ -41,6 +41,7 @@ fn make(compiled: &Compiled) {
     let Some(scene) = &compiled.scene else { return };
     let limits = limits();
     shown(&idle_rules(compiled), &compiled.sources);
+    shown(&vain_solids(compiled, &limits), &compiled.sources);
     shown(&certain_faults(scene, &limits, &compiled.vocabulary), &compiled.sources);
     let told = |fault: &Fault| shown(&[problem_of_fault(fault, &compiled.vocabulary)], &compiled.sources);
 

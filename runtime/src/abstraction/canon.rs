@@ -2,19 +2,23 @@
 //!
 //! What is known of one follows from it alone. It is found **exactly**, from all states that it leads to one by one, if
 //! those are not too many and not too deep inside one another; otherwise by a run that takes the many together
-//! ([`run`](super::run)). Which of the two is a property of the state: what was kept before makes no difference.
+//! ([`run`](super::run)). Such a run takes long, and a recursion without an end has a state of this kind at every step: so it is tried
+//! first for all of them at once, with any numbers in their control slots. Which of these it is is a property of the state: what was
+//! kept before makes no difference.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::cycles::{self, Endless, Knot, Link};
 use super::flow::Flow;
+use super::range::Range;
 use super::run::{Meeting, Outcome, Rest, Run};
 use super::sketch::{AbstractState, Extent, Sketch};
 use super::trouble::{Blame, Blamed};
+use super::value::Abstract;
 use super::walk::{Formals, Walker};
 use crate::fault::Fault;
-use crate::form::Origin;
+use crate::form::{Origin, Value};
 use crate::limits::Limits;
 use crate::quick_hash::BuildQuickHash;
 
@@ -22,11 +26,18 @@ use crate::quick_hash::BuildQuickHash;
 const MOST_EXACT: usize = 1 << 15;
 /// The same for a state that is met in a run, which looks at many: most of them are as the one that it began at.
 const MOST_MODEST: usize = 1 << 10;
-/// Calls in the states of a search, all together: each takes half a kilobyte as long as its state is not known.
+/// Calls in the states of a search, all together.
 const MOST_CALLS: usize = 1 << 17;
+/// Calls in the states of a search whose sketches are kept until they are needed: each takes half a kilobyte. Of more than these, states
+/// are drawn again.
+const MOST_SKETCHED: usize = 1 << 14;
+/// Calls in the states of one cycle, which are all needed at once.
+const MOST_ROUND: usize = 1 << 14;
 /// States of a run that turn out to lead to too many, after which no other one is tried.
 const MOST_TRIED: u32 = 16;
-/// States that are kept before all of them are forgotten.
+/// States with any numbers that are kept before all of them are forgotten.
+const MOST_VAGUE: usize = 1 << 10;
+/// States that are kept before all of them are forgotten: more than one search finds, or each would be made again.
 const MOST_KEPT: usize = 1 << 16;
 
 /// A kept state.
@@ -34,10 +45,10 @@ const MOST_KEPT: usize = 1 << 16;
 struct Node {
     state: Arc<AbstractState>,
     /// Found when it is first needed, and forgotten once its extent is known.
-    sketch: Option<Sketch>,
+    sketch: Option<Box<Sketch>>,
     /// Where it leads to, once that has been looked at, and the places of the calls.
     next: Option<Box<[(u32, Origin)]>>,
-    extent: Option<Extent>,
+    extent: Option<Box<Extent>>,
     exact: Option<bool>,
     /// Whether it leads to no more than [`MOST_MODEST`].
     modest: Option<bool>,
@@ -49,6 +60,8 @@ pub(crate) struct Canon {
     depth: u32,
     walker: Walker,
     numbers: HashMap<Arc<AbstractState>, u32, BuildQuickHash>,
+    /// What states with any numbers amount to; none if that has no bounds.
+    vague: HashMap<AbstractState, Option<Box<Extent>>, BuildQuickHash>,
     nodes: Vec<Node>,
     /// By node, the search that saw it last, and its number in that.
     seen: Vec<(u32, u32)>,
@@ -65,6 +78,7 @@ impl Canon {
             depth: limits.depth,
             walker: Walker::new(Formals::AsGiven),
             numbers: HashMap::default(),
+            vague: HashMap::default(),
             nodes: Vec::new(),
             seen: Vec::new(),
             searches: 0,
@@ -88,15 +102,18 @@ impl Canon {
     pub(crate) fn extent(&mut self, flow: &Flow, state: AbstractState) -> Result<Extent, Fault> {
         self.make_room();
         let mut number = self.number(state.clone());
-        let kept = self.nodes[number as usize].extent;
+        let kept = self.nodes[number as usize].extent.as_deref().copied();
         let extent = match kept {
             Some(extent) => extent,
             None if self.is_exact(flow, number)? => self.known(number),
             None => {
-                let extent = self.run(flow, state.clone())?;
+                let extent = match self.vague(flow, &state) {
+                    Some(extent) => extent,
+                    None => self.run(flow, state.clone())?,
+                };
                 // It may have been forgotten meanwhile.
                 number = self.number(state);
-                self.nodes[number as usize].extent = Some(extent);
+                self.nodes[number as usize].extent = Some(Box::new(extent));
                 extent
             }
         };
@@ -104,6 +121,25 @@ impl Canon {
             return Err(self.too_deep(flow, number));
         }
         Ok(extent)
+    }
+
+    /// What all states amount to that differ from one in their numbers only; none if that has no bounds.
+    fn vague(&mut self, flow: &Flow, state: &AbstractState) -> Option<Extent> {
+        let is_number = |it: &Abstract| it.exact().is_some_and(|it| matches!(it, Value::Number(_)));
+        let any = |it: &Abstract| if is_number(it) { Abstract::number(Range::ALL) } else { it.clone() };
+        let vague = AbstractState { entry: state.entry, slots: state.slots.iter().map(any).collect() };
+        if vague == *state {
+            return None;
+        }
+        if let Some(known) = self.vague.get(&vague) {
+            return known.as_deref().copied();
+        }
+        let extent = self.run(flow, vague.clone()).ok().filter(|it| it.loose.bounds.is_finite());
+        if self.vague.len() >= MOST_VAGUE {
+            self.vague.clear();
+        }
+        self.vague.insert(vague, extent.map(Box::new));
+        extent
     }
 
     /// Forgets all states if there are too many.
@@ -120,7 +156,7 @@ impl Canon {
     }
 
     fn known(&self, number: u32) -> Extent {
-        self.nodes[number as usize].extent.unwrap_or(Extent::EMPTY)
+        self.nodes[number as usize].extent.as_deref().copied().unwrap_or(Extent::EMPTY)
     }
 
     /// The fault of states too deep inside one another, with the way to the innermost.
@@ -151,8 +187,8 @@ impl Canon {
         number
     }
 
-    /// Looks where a state leads to.
-    fn look(&mut self, flow: &Flow, number: u32) {
+    /// Looks where a state leads to; its sketch may be kept, since it is likely to be needed soon.
+    fn look(&mut self, flow: &Flow, number: u32, keep_sketch: bool) {
         if self.nodes[number as usize].next.is_some() {
             return;
         }
@@ -162,7 +198,7 @@ impl Canon {
         let next = successors.map(|it| (self.number(Self::coarse(flow, it.state)), it.called)).collect();
         let node = &mut self.nodes[number as usize];
         node.next = Some(next);
-        node.sketch = Some(drawn.sketch);
+        node.sketch = keep_sketch.then(|| Box::new(drawn.sketch));
     }
 
     /// All states that one leads to; none if they are more than `most`, too deep inside one another, or one of them has too many.
@@ -190,7 +226,7 @@ impl Canon {
             if self.nodes[number as usize].exact == Some(false) || level > self.depth.saturating_add(1) {
                 return false;
             }
-            self.look(flow, number);
+            self.look(flow, number, calls < MOST_SKETCHED);
             let next = self.nodes[number as usize].next.as_deref().unwrap_or_default();
             for (inner, called) in next {
                 let seen = &mut self.seen[*inner as usize];
@@ -215,10 +251,7 @@ impl Canon {
         }
         let exact = match self.search(flow, start, MOST_EXACT) {
             None => false,
-            Some(found) => {
-                self.solve(flow, &found)?;
-                true
-            }
+            Some(found) => self.solve(flow, &found)?,
         };
         self.nodes[start as usize].exact = Some(exact);
         Ok(exact)
@@ -229,37 +262,34 @@ impl Canon {
         if let Some(modest) = self.nodes[start as usize].modest {
             return Ok(modest);
         }
-        let found = self.search(flow, start, MOST_MODEST);
-        let modest = found.is_some();
-        match found {
-            None => self.nodes[start as usize].modest = Some(false),
-            Some(found) => {
-                self.solve(flow, &found)?;
-                found.iter().for_each(|it| self.nodes[it.0 as usize].modest = Some(true));
-            }
+        let found = self.search(flow, start, MOST_MODEST).unwrap_or_default();
+        let modest = !found.is_empty() && self.solve(flow, &found)?;
+        if modest {
+            found.iter().for_each(|it| self.nodes[it.0 as usize].modest = Some(true));
         }
+        self.nodes[start as usize].modest = Some(modest);
         Ok(modest)
     }
 
-    /// Finds what all states of a search amount to.
-    fn solve(&mut self, flow: &Flow, found: &Found) -> Result<(), Fault> {
+    /// Finds what all states of a search amount to; whether no cycle of them is too large for that.
+    fn solve(&mut self, flow: &Flow, found: &Found) -> Result<bool, Fault> {
         let next = |node: u32, edge: usize| {
             let node = &self.nodes[found[node as usize].0 as usize];
             let inner = node.next.as_deref().and_then(|it| it.get(edge));
             inner.map(|it| self.seen[it.0 as usize].1)
         };
         let components = cycles::components(found.len(), 0, next);
+        let calls = |it: &u32| self.nodes[found[*it as usize].0 as usize].next.as_deref().unwrap_or_default().len();
+        if components.iter().any(|it| it.len() > 1 && it.iter().map(calls).sum::<usize>() > MOST_ROUND) {
+            return Ok(false);
+        }
         for component in &components {
             if self.nodes[found[component[0] as usize].0 as usize].extent.is_none() {
                 self.solve_one(flow, found, component)?;
             }
         }
-        for (number, ..) in found {
-            let node = &mut self.nodes[*number as usize];
-            node.exact = Some(true);
-            node.sketch = None;
-        }
-        Ok(())
+        found.iter().for_each(|it| self.nodes[it.0 as usize].exact = Some(true));
+        Ok(true)
     }
 
     fn solve_one(&mut self, flow: &Flow, found: &Found, component: &[u32]) -> Result<(), Fault> {
@@ -270,7 +300,7 @@ impl Canon {
         for number in &numbers {
             if self.nodes[*number as usize].sketch.is_none() {
                 let state = Arc::clone(&self.nodes[*number as usize].state);
-                self.nodes[*number as usize].sketch = Some(self.walker.draw(flow, &state).sketch);
+                self.nodes[*number as usize].sketch = Some(Box::new(self.walker.draw(flow, &state).sketch));
             }
         }
         let nodes = &self.nodes;
@@ -279,18 +309,20 @@ impl Canon {
             let next = nodes[*number as usize].next.as_deref().unwrap_or_default();
             let link = |(inner, _): &(u32, Origin)| match places.get(inner) {
                 Some(place) => Link::Inside(*place),
-                None => Link::Outside(nodes[*inner as usize].extent.unwrap_or(Extent::EMPTY)),
+                None => Link::Outside(nodes[*inner as usize].extent.as_deref().copied().unwrap_or(Extent::EMPTY)),
             };
             links.push(next.iter().map(link).collect());
         }
         let knots = numbers.iter().zip(&links).filter_map(|(number, links)| {
-            let sketch = nodes[*number as usize].sketch.as_ref()?;
-            Some(Knot { sketch, links })
+            let sketch = nodes[*number as usize].sketch.as_deref()?;
+            let circle = flow.circle(nodes[*number as usize].state.entry);
+            Some(Knot { sketch, links, circle })
         });
         match cycles::extents(knots) {
             Ok(extents) => {
                 for (number, extent) in numbers.iter().zip(extents) {
-                    self.nodes[*number as usize].extent = Some(extent);
+                    let node = &mut self.nodes[*number as usize];
+                    (node.sketch, node.extent) = (None, Some(Box::new(extent)));
                 }
                 Ok(())
             }

@@ -6,6 +6,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::circle::{self, Edge, all_shrink, one_that_keeps_size};
+use super::entries::Circle;
 use super::loose::Loose;
 use super::profile::stretch;
 use super::sketch::{Count, Extent, Part, Sketch, What};
@@ -58,6 +59,19 @@ pub(super) struct Knot<'a> {
     pub(super) sketch: &'a Sketch,
     /// For each successor, its number in the cycle, or what it amounts to.
     pub(super) links: &'a [Link],
+    /// The circle that its entry is in.
+    pub(super) circle: Option<Circle>,
+}
+
+impl Knot<'_> {
+    /// How many states of its circle are inside one another in it, if it is not one of a cycle.
+    fn rounds(&self) -> u32 {
+        let inner = self.links.iter().map(|it| match it {
+            Link::Outside(extent) if extent.circle == self.circle => extent.rounds,
+            Link::Outside(_) | Link::Inside(_) => 0,
+        });
+        inner.max().unwrap_or(0).saturating_add(1)
+    }
 }
 
 /// Where a state of a cycle leads.
@@ -102,7 +116,8 @@ pub(super) fn extents<'a>(component: impl Iterator<Item = Knot<'a>>) -> Result<V
             let extent = knot.sketch.extent(&known);
             let count = Count { states: extent.count.states.saturating_add(1), ..extent.count };
             let height = extent.height.saturating_add(1);
-            Ok(vec![Extent { loose: extent.loose.with_room(), count, height, ..extent }])
+            let (circle, rounds) = (knot.circle, knot.rounds());
+            Ok(vec![Extent { loose: extent.loose.with_room(), count, height, circle, rounds, ..extent }])
         }
         knots => solve(knots),
     }
@@ -132,7 +147,8 @@ fn solve(cycle: &[Knot<'_>]) -> Result<Vec<Extent>, Endless> {
     let links = cycle.iter().flat_map(|it| it.links);
     let outside = links.filter_map(|it| if let Link::Outside(extent) = it { Some(extent.height) } else { None });
     let height = outside.max().unwrap_or(0).saturating_add(1);
-    Ok(found.into_iter().map(|loose| Extent { loose, height, ..Extent::ALL }).collect())
+    let extent = |(loose, knot): (Loose, &Knot<'_>)| Extent { loose, height, circle: knot.circle, ..Extent::ALL };
+    Ok(found.into_iter().zip(cycle).map(extent).collect())
 }
 
 /// What to say of a cycle without bounds.
@@ -218,7 +234,8 @@ fn unrolled(cycle: &[Knot<'_>], reached: &[Loose]) -> Option<Vec<Loose>> {
         if all_shrink(&edges, cycle.len()) {
             let sketches: Vec<Sketch> = (0..cycle.len()).map(|it| composite(it, &near, &paths)).collect();
             let links: Vec<Link> = (0..cycle.len() as u32).map(Link::Inside).collect();
-            let knots: Vec<Knot<'_>> = sketches.iter().map(|sketch| Knot { sketch, links: &links }).collect();
+            let knots: Vec<Knot<'_>> =
+                sketches.iter().map(|sketch| Knot { sketch, links: &links, circle: None }).collect();
             return fixed_point(reached, |it| step(&knots, it));
         }
     }

@@ -5,6 +5,10 @@ use super::measures::Measures;
 use crate::form::{Graph, Node, NodeId, SelectId, Shape, SystemId};
 use crate::trace::Entry;
 
+/// Entries that lead to one another: the modules of one recursion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Circle(u32);
+
 /// The entries of a graph by number: the S-nodes, then the systems.
 #[derive(Debug)]
 pub(crate) struct Entries {
@@ -93,17 +97,21 @@ impl Entries {
         Measures::of(graph, |node| systems.get(node).copied().flatten())
     }
 
-    /// For each entry, whether it leads back to itself.
-    pub(crate) fn that_come_back(&self) -> Vec<bool> {
+    /// For each entry, the circle of those that lead to one another that it is in; none if it does not lead back to itself.
+    pub(crate) fn circles(&self) -> Vec<Option<Circle>> {
         let count = self.count();
         // What goes round forwards goes round backwards. One node more leads to all of them.
         let next = |node: u32, edge: usize| match self.callers.get(node as usize) {
             Some(callers) => callers.get(edge).map(|it| *it as u32),
             None => (edge < count).then_some(edge as u32),
         };
-        let mut found: Vec<bool> = self.callers.iter().enumerate().map(|(it, callers)| callers.contains(&it)).collect();
-        for circle in cycles::components(count + 1, count as u32, next).iter().filter(|it| it.len() > 1) {
-            circle.iter().for_each(|it| found[*it as usize] = true);
+        let mut found = vec![None; count];
+        for (number, entries) in cycles::components(count + 1, count as u32, next).into_iter().enumerate() {
+            let comes_back =
+                |it: u32| self.callers.get(it as usize).is_some_and(|callers| callers.contains(&(it as usize)));
+            if entries.len() > 1 || comes_back(entries[0]) {
+                entries.iter().for_each(|it| found[*it as usize] = Some(Circle(number as u32)));
+            }
         }
         found
     }

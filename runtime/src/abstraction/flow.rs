@@ -6,7 +6,7 @@
 //!
 //! What only feeds `rand`, or is only looked at by a formal's range, flows nowhere here.
 
-use super::entries::Entries;
+use super::entries::{Circle, Entries};
 use super::needs::{Analysis, Sinks, has};
 use super::slim::slim;
 use super::step::Step;
@@ -48,8 +48,8 @@ pub(crate) struct Flow {
     bears: Vec<bool>,
     /// Whether a shape may lead to each entry.
     borne: Vec<bool>,
-    /// Whether each entry leads back to itself.
-    comes_back: Vec<bool>,
+    /// The circle that each entry is in.
+    circles: Vec<Option<Circle>>,
 }
 
 impl Flow {
@@ -69,8 +69,8 @@ impl Flow {
             })
             .collect();
         let (bears, borne) = (entries.with_shapes_below(&graph), entries.below_shapes(&graph));
-        let comes_back = entries.that_come_back();
-        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed, bears, borne, comes_back };
+        let circles = entries.circles();
+        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed, bears, borne, circles };
         flow.mark_discrete();
         flow
     }
@@ -115,9 +115,9 @@ impl Flow {
         self.borne[self.entries.number(entry)]
     }
 
-    /// Whether an entry leads back to itself, with any values.
-    pub(crate) fn comes_back(&self, entry: Entry) -> bool {
-        self.comes_back[self.entries.number(entry)]
+    /// The circle that an entry is in; none if it does not lead back to itself, whatever the values.
+    pub(crate) fn circle(&self, entry: Entry) -> Option<Circle> {
+        self.circles[self.entries.number(entry)]
     }
 
     /// Marks the entries from which slots that are data can be reached.

@@ -14,7 +14,7 @@
 //! - [`hyper`]: one box for all states of a module.
 //! - [`anchored`], [`translated`]: states that are others moved.
 //! - [`planted`]: what states with shapes in them amount to.
-//! - [`findings`], [`certain`], [`unseen`], [`trouble`]: what is certain of a program before anything of it is drawn.
+//! - [`findings`], [`certain`], [`vain`], [`unseen`], [`trouble`]: what is certain of a program before anything of it is drawn.
 
 mod anchored;
 mod canon;
@@ -43,9 +43,11 @@ mod survey;
 mod translated;
 mod trouble;
 mod unseen;
+mod vain;
 mod value;
 mod walk;
 
+pub(crate) use entries::Circle;
 pub use findings::{IdleRule, certain_faults, idle_rules};
 pub(crate) use hyper::HyperBoxes;
 pub(crate) use loose::{Loose, box_between, primitive_bounds};
@@ -54,7 +56,8 @@ pub(crate) use profile::stretch;
 pub(crate) use skeleton::skeleton;
 pub(crate) use sketch::{Count, Extent, Part, Sketch, What};
 pub(crate) use survey::{Scout, Survey};
-pub use unseen::{Unseen, unseen};
+pub use unseen::unseen_segments;
+pub use vain::{Vain, vain_solids};
 
 #[cfg(test)]
 mod tests;

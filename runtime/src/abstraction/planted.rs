@@ -4,6 +4,7 @@
 use glam::DAffine3;
 
 use super::cycles::{self, Endless, Knot, Link};
+use super::entries::Circle;
 use super::sketch::{Extent, Part, Sketch, What};
 use super::step::{Step, Way};
 
@@ -14,6 +15,8 @@ pub(crate) struct Plant {
     pub(crate) sketch: Sketch,
     /// Where it leads to; parts of the sketch have numbers among these.
     pub(crate) next: Vec<Next>,
+    /// The circle that its entry is in.
+    pub(crate) circle: Option<Circle>,
 }
 
 /// Where a plant leads to.
@@ -59,8 +62,11 @@ pub(crate) fn extents(plants: &[Plant]) -> Result<Vec<Extent>, Vec<usize>> {
                 plants[*it as usize].next.iter().map(link).collect()
             })
             .collect();
-        let knots = component.iter().zip(&links);
-        match cycles::extents(knots.map(|(it, links)| Knot { sketch: &plants[*it as usize].sketch, links })) {
+        let knots = component.iter().zip(&links).map(|(it, links)| {
+            let Plant { sketch, circle, .. } = &plants[*it as usize];
+            Knot { sketch, links, circle: *circle }
+        });
+        match cycles::extents(knots) {
             Ok(extents) => component.iter().zip(extents).for_each(|(it, extent)| found[*it as usize] = extent),
             Err(Endless { circle }) => return Err(circle.iter().map(|it| component[*it] as usize).collect()),
         }

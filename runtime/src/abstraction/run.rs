@@ -142,7 +142,8 @@ impl<'f> Run<'f> {
         walker: &mut Walker,
         meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
     ) -> Result<Outcome, Fault> {
-        Ok(if self.go(walker, meet)? { self.solve() } else { Outcome::Extent(Extent::ALL) })
+        let circle = self.flow.circle(self.nodes[0].state.entry);
+        Ok(if self.go(walker, meet)? { self.solve() } else { Outcome::Extent(Extent::ALL.in_circle(circle)) })
     }
 
     /// Runs on from the state it begins at, and gives all that was met; none if it is too much.
@@ -335,7 +336,7 @@ impl<'f> Run<'f> {
         }
         // What changes before it is looked at has only been met by many; what goes round comes back to what has been.
         node.changes += u32::from(!node.waits);
-        if node.kind == Kind::Wide || node.changes > PATIENCE && self.flow.comes_back(state.entry) {
+        if node.kind == Kind::Wide || node.changes > PATIENCE && self.flow.circle(state.entry).is_some() {
             let slots = node.state.slots.iter().zip(&all.slots);
             all.slots = slots.map(|(before, after)| before.widened(after)).collect();
         }
@@ -387,8 +388,9 @@ impl<'f> Run<'f> {
                 })
                 .collect();
             match cycles::extents(component.iter().zip(&links).filter_map(|(it, links)| {
-                let sketch = &self.nodes[*it as usize].drawn.as_ref()?.sketch;
-                Some(Knot { sketch, links })
+                let node = &self.nodes[*it as usize];
+                let circle = self.flow.circle(node.state.entry);
+                Some(Knot { sketch: &node.drawn.as_ref()?.sketch, links, circle })
             })) {
                 Ok(found) => component.iter().zip(found).for_each(|(it, extent)| extents[*it as usize] = extent),
                 Err(Endless { circle }) => return Err(circle.iter().map(|it| component[*it]).collect()),

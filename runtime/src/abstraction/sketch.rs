@@ -1,5 +1,6 @@
 //! What an abstract state stands for, as far as bounds need it.
 
+use super::entries::Circle;
 use super::loose::Loose;
 use super::step::Way;
 use super::value::Abstract;
@@ -66,6 +67,10 @@ pub(crate) struct Extent {
     pub(crate) inner: Count,
     /// How many states are inside one another in it; those of a cycle count as one.
     pub(crate) height: u32,
+    /// The circle of entries that it is in.
+    pub(crate) circle: Option<Circle>,
+    /// How many states of that circle are inside one another in it at most: [`u32::MAX`] if they have no end, or none is known.
+    pub(crate) rounds: u32,
 }
 
 /// How much something is.
@@ -97,9 +102,21 @@ impl Count {
 impl Extent {
     /// Nothing.
     pub(crate) const EMPTY: Self =
-        Self { loose: Loose::EMPTY, count: Count::NOTHING, inner: Count::NOTHING, height: 0 };
+        Self { loose: Loose::EMPTY, count: Count::NOTHING, inner: Count::NOTHING, height: 0, circle: None, rounds: 0 };
     /// Anything.
-    pub(crate) const ALL: Self = Self { loose: Loose::ALL, count: Count::ENDLESS, inner: Count::ENDLESS, height: 0 };
+    pub(crate) const ALL: Self = Self {
+        loose: Loose::ALL,
+        count: Count::ENDLESS,
+        inner: Count::ENDLESS,
+        height: 0,
+        circle: None,
+        rounds: u32::MAX,
+    };
+
+    /// The same of a state whose entry is in a circle.
+    pub(crate) fn in_circle(self, circle: Option<Circle>) -> Self {
+        Self { circle, ..self }
+    }
 }
 
 impl Extent {

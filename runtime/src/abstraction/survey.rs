@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use super::canon::Canon;
+use super::entries::Circle;
 use super::flow::Flow;
 use super::hyper::HyperBoxes;
 use super::run::{Meeting, Outcome, Rest, Run};
@@ -60,7 +61,7 @@ impl Survey {
             flow,
             depth: limits.depth,
             canon: Mutex::new(Canon::new(limits)),
-            translated: Translated::default(),
+            translated: Translated::new(limits),
         };
         Self { strict: lens(Flow::of(scene)), coarse: Flow::with_measures_as_data(scene).map(lens) }
     }
@@ -74,6 +75,11 @@ impl Survey {
     pub(crate) fn is_rare(&self, state: &State) -> bool {
         state.path.is_some()
             || self.coarse.as_ref().unwrap_or(&self.strict).flow.at(state.entry).slots.iter().any(|it| !it.1)
+    }
+
+    /// The circle of entries that an entry is in; none if no state of it leads to another one of it.
+    pub(crate) fn circle(&self, entry: Entry) -> Option<Circle> {
+        self.strict.flow.circle(entry)
     }
 
     /// Whether shapes lie below states of an entry: of those nothing is known but by looking at what is in them.

@@ -20,21 +20,25 @@ use super::range::Range;
 use super::sketch::{AbstractState, Extent};
 use super::value::Abstract;
 use crate::form::{Slot, Value};
+use crate::limits::Limits;
 use crate::quick_hash::BuildQuickHash;
 use crate::trace::Entry;
 
 /// The parts of vectors and the numbers of a usual state: none that a program is likely to ask for.
 const USUAL: [f64; 4] = [0.374, 0.291, 0.217, 0.319];
-/// Answers that are kept before all of them are forgotten.
-const MOST_KEPT: usize = 1 << 14;
+/// Answers that are kept before all of them are forgotten, at most: each takes about a kilobyte.
+const MOST_KEPT: u64 = 1 << 14;
 /// How much larger than need be bounds may be, by their longest side.
 const LOOSENESS: f64 = 1.25;
 /// How roughly distances are taken, in parts of the largest of them, which is between this and twice as many.
 const STEPS: f64 = 2.0;
 
 /// What is known of states that lie at their anchors.
-#[derive(Debug, Default)]
-pub(super) struct Translated(Mutex<Tables>);
+#[derive(Debug)]
+pub(super) struct Translated {
+    tables: Mutex<Tables>,
+    most_kept: usize,
+}
 
 #[derive(Debug, Default)]
 struct Tables {
@@ -54,6 +58,12 @@ enum Anchoring {
 }
 
 impl Translated {
+    /// Nothing yet, and not more than a sixteenth of the budget for cells.
+    pub(super) fn new(limits: &Limits) -> Self {
+        let most_kept = (limits.cell_bytes >> 14).clamp(1 << 8, MOST_KEPT) as usize;
+        Self { tables: Mutex::default(), most_kept }
+    }
+
     /// What a state amounts to by what one amounts to that lies elsewhere; none if that is not known. `run` tells what an anchored
     /// state amounts to, or one without anchors.
     pub(super) fn extent(
@@ -67,7 +77,7 @@ impl Translated {
         let known = self.tables(|it| it.extents.get(&state).cloned());
         let extent = known.unwrap_or_else(|| {
             let extent = run(&state).filter(|it| it.loose.bounds.is_finite()).map(Box::new);
-            self.tables(|it| keep(&mut it.extents, state, extent.clone()));
+            self.tables(|it| keep(&mut it.extents, self.most_kept, state, extent.clone()));
             extent
         })?;
         Some(Extent { loose: extent.loose.anchored_at(&anchors), ..*extent })
@@ -95,17 +105,17 @@ impl Translated {
             matches!((found, least), (Some(found), Some(least)) if found <= least * LOOSENESS)
         };
         let found = [Anchoring::All, Anchoring::Vectors].into_iter().find(|it| is_of_use(*it));
-        self.tables(|it| keep(&mut it.usual, usual, found));
+        self.tables(|it| keep(&mut it.usual, self.most_kept, usual, found));
         found
     }
 
     fn tables<T>(&self, look: impl FnOnce(&mut Tables) -> T) -> T {
-        look(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        look(&mut self.tables.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-fn keep<T>(table: &mut HashMap<AbstractState, T, BuildQuickHash>, state: AbstractState, what: T) {
-    if table.len() >= MOST_KEPT {
+fn keep<T>(table: &mut HashMap<AbstractState, T, BuildQuickHash>, most: usize, state: AbstractState, what: T) {
+    if table.len() >= most {
         table.clear();
     }
     table.insert(state, what);

@@ -3,7 +3,7 @@
 use super::flow::Flow;
 use super::sketch::AbstractState;
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Origin, Select, Value};
+use crate::form::{Origin, Select, Slot, Value};
 use crate::trace::Entry;
 
 /// States that lead one to the next, each with the place of the call to it.
@@ -84,12 +84,13 @@ fn step(flow: &Flow, state: &AbstractState, origin: Origin) -> TrailStep {
     TrailStep { name, values: values(flow, state), origin }
 }
 
-/// The parameters of a state's module, with those of their values that are known.
+/// What is told of a state's module, as far as its values are known.
 fn values(flow: &Flow, state: &AbstractState) -> Vec<(String, Value)> {
     let Entry::Select(id) = state.entry else { return Vec::new() };
     let select = flow.graph.select(id);
     let names = &flow.graph.system(select.system).slots;
-    let slots = flow.at(state.entry).slots.iter().zip(&state.slots);
-    let params = slots.filter(|it| select.params.contains(&it.0.0));
-    params.filter_map(|it| Some((names.get(usize::from(it.0.0.0))?.clone(), it.1.exact()?.clone()))).collect()
+    let lay = &flow.at(state.entry).slots;
+    let value = |slot: Slot| lay.iter().zip(&state.slots).find(|it| it.0.0 == slot)?.1.exact().cloned();
+    let told = select.told().into_iter();
+    told.filter_map(|it| Some((names.get(usize::from(it.0))?.clone(), value(it)?))).collect()
 }

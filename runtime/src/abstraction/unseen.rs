@@ -1,4 +1,4 @@
-//! What a program lays down and nobody will ever see: hulls that have nothing in them, and segments without length or thickness.
+//! Segments that a program lays down and nobody will ever see: they have no length, or no thickness.
 //!
 //! As in [`certain`](super::certain), the states that are certain to be there are expanded within limits of their own. Where
 //! something draws, it is looked at on several paths, and told only if it is so on all of them.
@@ -13,44 +13,27 @@ use crate::derive::{Deriver, Placed, Step, Watcher};
 use crate::fault::Fault;
 use crate::form::{Graph, Node, Origin, Scene, Shape, ShapeId, Value};
 use crate::limits::Limits;
-use crate::trace::{Entry, Expander, Group, Solid, State};
-
-/// The places in the text of what is laid down and never seen, whatever is drawn.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Unseen {
-    /// Hulls that have nothing in them.
-    pub hulls: Vec<Origin>,
-    /// Segments that have no length, or no thickness at either end.
-    pub segments: Vec<Origin>,
-}
+use crate::trace::{Entry, Expander, State};
 
 /// On how many paths a shape with draws is derived.
 const PATHS: u32 = 16;
 
-/// What a scene lays down that is never seen.
-pub fn unseen(scene: &Scene, limits: &Limits) -> Unseen {
+/// The places in the text of segments that are left out, whatever is drawn: those without length, and those without thickness at either end.
+pub fn unseen_segments(scene: &Scene, limits: &Limits) -> Vec<Origin> {
     let flow = Flow::of(scene);
     let mut walker = Walker::new(Formals::AsGiven);
     let met = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
     let limits = bounded(limits);
     let expander = Expander::new(scene, &limits);
-    let (mut hulls, mut segments) = (BTreeSet::new(), Segments::default());
+    let mut segments = Segments::default();
     for it in met.unwrap_or_default().iter().filter(|it| it.certain).take(MOST_STATES) {
         let Some(state) = it.way.last().and_then(|it| concrete(&expander, &flow, &it.0)) else { continue };
-        match shape_of(&scene.graph, &state) {
-            Some(shape) => {
-                let mut deriver = Deriver::new(&scene.graph, scene.seed, &limits);
-                segments.look_at(&mut deriver, shape, &state, &expander);
-            }
-            None if state.path.is_none() => {
-                if let Ok(group) = expander.expand(&state) {
-                    note_empty(&group, &mut hulls);
-                }
-            }
-            None => {}
+        if let Some(shape) = shape_of(&scene.graph, &state) {
+            let mut deriver = Deriver::new(&scene.graph, scene.seed, &limits);
+            segments.look_at(&mut deriver, shape, &state, &expander);
         }
     }
-    Unseen { hulls: hulls.into_iter().collect(), segments: segments.unseen().collect() }
+    segments.unseen().collect()
 }
 
 /// The shape that a state is, if it is one that lays segments.
@@ -99,24 +82,5 @@ impl Watcher for Segments {
 
     fn skipped(&mut self, origin: Origin) {
         self.skipped.insert(origin);
-    }
-}
-
-/// Notes the places of hulls that have nothing in them.
-fn note_empty(group: &Group, places: &mut BTreeSet<Origin>) {
-    for item in &group.items {
-        match &item.solid {
-            Solid::Leaf { primitive, origin, .. } => {
-                if primitive.hull().is_some_and(|it| it.is_empty() && it.open().is_none()) {
-                    places.insert(*origin);
-                }
-            }
-            Solid::Instance(..) => {}
-            Solid::Intersect(operands) => operands.iter().for_each(|it| note_empty(it, places)),
-            Solid::Difference(first, others) => {
-                note_empty(first, places);
-                others.iter().for_each(|it| note_empty(it, places));
-            }
-        }
     }
 }

@@ -70,7 +70,7 @@ impl Machine<'_> {
         origin: Origin,
     ) -> Result<u32, Fault> {
         let value = self.numbers(code, env, what)?.first().copied().unwrap_or(0.0);
-        whole(value, what, least, self.limits().repeat, origin)
+        whole(value, what, least, self.limits().repeat, origin).map_err(|it| of_value(code, it))
     }
 
     /// The matrix of a T-node: it maps points of the frame below to the frame above.
@@ -232,6 +232,15 @@ pub(super) fn whole(value: f64, what: &'static str, least: u32, most: u32, origi
     Err(Fault::new(FaultKind::Limit { limit: Limit::Repeat, most: u64::from(most) }, origin))
 }
 
+/// Of a number that is not whole the place is that of the number.
+pub(super) fn of_value(code: &Code, fault: Fault) -> Fault {
+    let place = code.results.first().and_then(|it| code.origin_of(*it)).filter(|it| *it != Origin::NONE);
+    match (&fault.kind, place) {
+        (FaultKind::Whole { .. }, Some(origin)) => Fault { origin, ..fault },
+        _ => fault,
+    }
+}
+
 /// Of an argument outside its range the place is the argument's.
 fn given_by(call: &SystemCall, system: &System, fault: Fault) -> Fault {
     let FaultKind::Range { name, value, low, high, .. } = &fault.kind else { return fault };
@@ -249,18 +258,18 @@ fn last(code: &Code) -> Origin {
 
 /// The step of a fault's trail that stands for an S-node in an environment.
 pub(crate) fn trail_step(graph: &Graph, select: &Select, env: &Env, origin: Origin) -> TrailStep {
-    TrailStep { name: select.module.clone(), values: parameters(graph, select, env), origin }
+    TrailStep { name: select.module.clone(), values: told(graph, select, env), origin }
 }
 
-/// The parameters of an S-node with their values; for one without any, the system's state and formals that it can see.
-fn parameters(graph: &Graph, select: &Select, env: &Env) -> Vec<(String, Value)> {
+/// What tells an S-node from another one of its module: its parameters with their values, and what its choice reads besides.
+fn told(graph: &Graph, select: &Select, env: &Env) -> Vec<(String, Value)> {
     let names = &graph.system(select.system).slots;
-    let slots = select.params.iter().map(|it| usize::from(it.0));
+    let slots = select.told().into_iter().map(|it| usize::from(it.0));
     slots.filter_map(|it| Some((names.get(it)?.clone(), env.slots.get(it)?.clone()))).collect()
 }
 
 fn no_rule(graph: &Graph, select: &Select, env: &Env) -> Fault {
-    let values = parameters(graph, select, env);
+    let values = told(graph, select, env);
     Fault::new(FaultKind::NoRule { module: select.module.clone(), values }, select.origin)
 }
 

@@ -1,6 +1,6 @@
 //! What formulas give: as [`meaning`](super::meaning) has it for codes, by their programs where they have one.
 
-use super::meaning::whole;
+use super::meaning::{of_value, whole};
 use super::quick::put;
 use super::{Env, Formula, Machine};
 use crate::fault::Fault;
@@ -93,7 +93,7 @@ impl Machine<'_> {
     ) -> Result<u32, Fault> {
         let mut value = [0.0];
         self.read(formula, env, what, &mut value)?;
-        whole(value[0], what, least, self.limits().repeat, origin)
+        whole(value[0], what, least, self.limits().repeat, origin).map_err(|it| of_value(formula.code(), it))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Code, Function, FunctionId, MaterialId, Origin, PrimitiveKind, Shape, ShapeId, Slot};
+use super::{Code, Function, FunctionId, MaterialId, Op, Origin, PrimitiveKind, Shape, ShapeId, Slot};
 use crate::geometry::{Primitive, Triangles};
 
 /// Names a node of a [`Graph`].
@@ -207,6 +207,23 @@ pub struct Select {
     pub proxy: Option<NodeId>,
     /// The place of the module's first rule in the text.
     pub origin: Origin,
+}
+
+impl Select {
+    /// The slots whose values tell people where they are: its parameters, and what the choice among its rules reads besides.
+    pub fn told(&self) -> Vec<Slot> {
+        let mut slots = self.params.clone();
+        let function = if let Choice::Function(code) = &self.choice { Some(code) } else { None };
+        let of_rules = self.rules.iter().flat_map(|it| it.guard.iter().chain(&it.weight));
+        for op in function.into_iter().chain(of_rules).flat_map(|it| &it.ops) {
+            if let Op::Load(_, slot) = op
+                && !slots.contains(slot)
+            {
+                slots.push(*slot);
+            }
+        }
+        slots
+    }
 }
 
 /// How an S-node chooses.

@@ -281,11 +281,11 @@ impl<'s> Expander<'s> {
         }
     }
 
-    /// Of a module's parameters in order, keeps those that a state knows.
+    /// Of what is told of a module, in order, keeps what a state knows.
     fn keep_known(&self, id: SelectId, values: &mut Vec<(String, Value)>) {
         let live = &self.liveness.select(id).slots;
-        let mut slots = self.graph.select(id).params.iter();
-        values.retain(|_| slots.next().is_some_and(|it| live.contains(it)));
+        let mut slots = self.graph.select(id).told().into_iter();
+        values.retain(|_| slots.next().is_some_and(|it| live.contains(&it)));
     }
 
     /// A fault that tells no value of what nothing below reads: a state does not know it.

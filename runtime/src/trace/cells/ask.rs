@@ -267,8 +267,8 @@ pub(super) struct Ask<'q> {
     pub(super) cells: u32,
     /// Searches inside one another to here.
     pub(super) nested: u32,
-    /// The states that are being measured, if this is a ray that measures.
-    pub(super) measuring: Option<&'q Measuring<'q>>,
+    /// The state that is being measured, if this is a ray that measures.
+    pub(super) measuring: Option<&'q Measuring>,
 }
 
 impl<'q> Ask<'q> {

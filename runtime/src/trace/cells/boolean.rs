@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use super::ask::{Ask, Mark, NONE};
 use super::boxes::{BoxRay, lanes_of};
 use super::cell::{Boolean, Cell, Grain, Instance, Leaf, LeafShape, Named, Ref, Union};
-use super::deep::deeper;
+use super::deep::{deeper, further};
 use super::ray::{Local, Steps};
 use super::store::Generation;
 use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
@@ -196,8 +196,12 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
                 let Some(cell) = store.cell(&apart, super::ROOT, Grain::Fine).map_err(|it| led(it.into()))? else {
                     return Ok(Line::empty());
                 };
-                let mut pieces = Pieces { tracing: self.tracing, generation: &apart, ask: &mut *self.ask };
-                pieces.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?
+                let tracing = self.tracing;
+                deeper(self.ask, |ask| {
+                    let mut pieces = Pieces { tracing, generation: &apart, ask };
+                    pieces.whole(&inner(cell), part.origin, range, tolerance)
+                })
+                .map_err(led)?
             }
         };
         Ok(outwards(&line, steps))
@@ -208,7 +212,7 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         self.ask.cells += 1;
         self.tracing.check_depth(place.levels + place.cell.levels, called)?;
         let (tracing, generation) = (self.tracing, self.generation);
-        deeper(self.ask, |ask| Pieces { tracing, generation, ask }.union(place, 0, range, tolerance))
+        further(self.ask, |ask| Pieces { tracing, generation, ask }.union(place, 0, range, tolerance))
     }
 
     fn check(&self, line: &Line) -> Result<(), Stop> {

@@ -11,12 +11,27 @@ const ON_ONE_STACK: u32 = 64;
 /// Bytes of the stack for that many: far more than they take.
 const STACK: usize = 4 << 20;
 
+/// What a cell counts as that is made for one ray alone, since there is no room to keep it: far more work than to go through one.
+const MADE: u64 = 1 << 10;
+
+/// Does something one search further inside, through a cell that is made for that alone. It counts as many steps.
+///
+/// # Errors
+/// As [`further`].
+pub(super) fn deeper<R: Send, E: From<Fault> + Send>(
+    ask: &mut Ask,
+    go: impl FnOnce(&mut Ask) -> Result<R, E> + Send,
+) -> Result<R, E> {
+    ask.steps = ask.steps.saturating_add(MADE);
+    further(ask, go)
+}
+
 /// Does something one search further inside. So that no stack overflows, whatever its size, every so often it goes on
 /// on another.
 ///
 /// # Errors
 /// What `go` gives, or the limit of depth if there can be no other stack.
-pub(super) fn deeper<R: Send, E: From<Fault> + Send>(
+pub(super) fn further<R: Send, E: From<Fault> + Send>(
     ask: &mut Ask,
     go: impl FnOnce(&mut Ask) -> Result<R, E> + Send,
 ) -> Result<R, E> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::ask::Ask;
 use super::build::build_proxy;
 use super::cell::{Cell, Instance};
-use super::measure::{Known, measure};
+use super::measure::measure;
 use super::proxy::Proxy;
 use super::ray::Local;
 use super::store::{Generation, Store, led_by};
@@ -26,10 +26,8 @@ pub(super) enum Ending {
 /// An ending as a ray meets it.
 pub(super) enum Met<'g> {
     Looks(&'g Proxy),
-    /// Looks that are known only as long as something else is being measured.
-    ForNow(Arc<Proxy>),
     Solid(&'g Cell),
-    /// A closed box: the state is being measured itself.
+    /// A closed box: it is of a recursion without an end that is being measured.
     Box,
 }
 
@@ -38,7 +36,6 @@ impl Met<'_> {
     pub(super) fn proxy(&self) -> Option<&Proxy> {
         match self {
             Self::Looks(proxy) => Some(proxy),
-            Self::ForNow(proxy) => Some(proxy),
             Self::Solid(_) | Self::Box => None,
         }
     }
@@ -74,27 +71,20 @@ pub(super) fn ending<'g, K: Kernel>(
 ) -> Result<Met<'g>, Fault> {
     let store = tracing.store;
     let model = generation.model(state);
+    let led = |fault| led_by(fault, std::iter::once(store.step(generation, state, called)));
+    if let Some(measuring) = ask.measuring
+        && measuring.is_closed(store, generation, model).map_err(led)?
+    {
+        return Ok(Met::Box);
+    }
     if let Some(ending) = generation.ending(model) {
         return Ok(ending.met());
     }
-    match ask.measuring.and_then(|it| it.knows(&generation.state(model))) {
-        Some(Known::UnderWay) => return Ok(Met::Box),
-        Some(Known::Looks(proxy)) => return Ok(Met::ForNow(proxy)),
-        None => {}
-    }
-    let led = |fault| led_by(fault, std::iter::once(store.step(generation, state, called)));
     if let Some(cell) = solid(store, generation, model).map_err(led)? {
         return Ok(Met::Solid(cell));
     }
-    let (proxy, clean) = measure(tracing, generation, model, ask).map_err(led)?;
-    let proxy = Arc::new(proxy);
-    if clean {
-        return Ok(generation.end(model, Ending::Looks(proxy)).met());
-    }
-    if let Some(outer) = ask.measuring {
-        outer.keep(generation.state(model), &proxy);
-    }
-    Ok(Met::ForNow(proxy))
+    let proxy = measure(tracing, generation, model, ask).map_err(led)?;
+    Ok(generation.end(model, Ending::Looks(Arc::new(proxy))).met())
 }
 
 /// The solid that the program gives for a model; none if it gives none.

@@ -1,16 +1,14 @@
 //! Measuring what a state looks like from far away: rays from all sides, and what they see.
 //!
 //! The rays are beams themselves, a part of the state wide, so what is far smaller than the state is in turn met as what *it* looks
-//! like. A state that contains itself is met as a closed box where it is being measured already: recursion without an end is seen
-//! as if it ended some levels below the beam.
+//! like. Where a recursion has no end, or one that is far away, its next states are met as closed boxes: it is seen as if it ended
+//! some levels below the beam.
 //!
 //! A state whose derivation draws looks on the average like any other that has the same values: what is measured is a few of
 //! them, on paths made up for it.
 
-use std::collections::HashMap;
 use std::hash::BuildHasher;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -18,12 +16,13 @@ use super::ROOT;
 use super::ask::{Ask, Girth, NONE, Notes, Question};
 use super::boxes::BoxRay;
 use super::cell::{Cell, Grain};
-use super::deep::deeper;
+use super::deep::further;
 use super::proxy::{Proxy, Survey};
 use super::ray::{Inwards, Local};
 use super::resolve::{Hit, NO_CELL, Resolver};
-use super::store::Generation;
+use super::store::{Generation, Store};
 use super::traverse::{Passage, Scratch, Start, Tracing};
+use crate::abstraction::Circle;
 use crate::fault::Fault;
 use crate::form::Origin;
 use crate::geometry::Ray;
@@ -37,67 +36,28 @@ const AXES: u32 = 24;
 const RAYS: u32 = 64;
 /// How wide the rays are, in parts of the state's size.
 const WIDTH: f64 = 1.0 / 12.0;
-/// Measurements inside one another: below, states are closed boxes. Where all states of a recursion without an end differ, there would
-/// always be another one to measure.
-const MOST_NESTED: usize = 16;
 /// States on paths of their own that stand for all that have the same values.
 const LIKENESSES: u32 = 4;
+/// How wide the rays are where draws are made without an end: each branch is a state of its own, and there are so many fewer.
+const WIDTH_WITHOUT_END: f64 = 1.0 / 6.0;
 
-/// A state that is being measured, inside of others. What these are goes by states, not by their numbers: those differ from one
-/// generation to the next.
-#[derive(Debug)]
-pub(super) struct Measuring<'m> {
-    state: Arc<State>,
-    outer: Option<&'m Measuring<'m>>,
-    /// Whether what is found depends on this state alone, and not on one around it.
-    clean: AtomicBool,
-    /// The looks of states inside that contain this one: they are its own only as long as this one is not known.
-    inside: Mutex<HashMap<Arc<State>, Arc<Proxy>>>,
+/// A state that is being measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measuring {
+    /// The recursion that it is in, if it is in one.
+    circle: Option<Circle>,
 }
 
-/// What a measurement that is under way says of a state.
-pub(super) enum Known {
-    /// It is being measured itself.
-    UnderWay,
-    /// It looked like this.
-    Looks(Arc<Proxy>),
-}
-
-impl<'m> Measuring<'m> {
-    fn new(state: Arc<State>, outer: Option<&'m Self>) -> Self {
-        Self { state, outer, clean: AtomicBool::new(true), inside: Mutex::default() }
-    }
-
-    /// What is known of a state in this measurement or those around it. What is found between here and there is not its own
-    /// then: it depends on what is under way.
-    pub(super) fn knows(&self, state: &Arc<State>) -> Option<Known> {
-        let mut between = Vec::new();
-        let mut here = Some(self);
-        while let Some(it) = here {
-            let looks = it.looks().get(state).cloned().map(Known::Looks);
-            let known = if it.state == *state { Some(Known::UnderWay) } else { looks };
-            if known.is_some() {
-                between.iter().for_each(|it: &&Self| it.clean.store(false, Ordering::Relaxed));
-                return known;
-            }
-            between.push(it);
-            here = it.outer;
-        }
-        if between.len() < MOST_NESTED {
-            return None;
-        }
-        // What the outermost looks like follows from it alone, for it is always this many inside it that are looked at.
-        between.iter().rev().skip(1).for_each(|it| it.clean.store(false, Ordering::Relaxed));
-        Some(Known::UnderWay)
-    }
-
-    /// Keeps the looks of a state inside for as long as this measurement takes.
-    pub(super) fn keep(&self, state: Arc<State>, proxy: &Arc<Proxy>) {
-        self.looks().insert(state, Arc::clone(proxy));
-    }
-
-    fn looks(&self) -> MutexGuard<'_, HashMap<Arc<State>, Arc<Proxy>>> {
-        self.inside.lock().unwrap_or_else(PoisonError::into_inner)
+impl Measuring {
+    /// Whether a state that is met is met as a closed box: one of the same recursion that may have no end.
+    ///
+    /// What a state looks like depends so on no other that is being measured: whoever leads to this one and is led to by it is in the
+    /// same recursion. And each is measured once: those that are not tall are soon at their end.
+    ///
+    /// # Errors
+    /// What fails in finding its bounds.
+    pub(super) fn is_closed(&self, store: &Store, generation: &Generation, number: u32) -> Result<bool, Fault> {
+        Ok(self.circle.is_some() && generation.endless(store, number)? == self.circle)
     }
 }
 
@@ -119,7 +79,7 @@ fn place(number: u32) -> [f64; 2] {
     [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| (f64::from(number) * step + 0.25).fract())
 }
 
-/// Measures a state, and says whether what was found depends on it alone.
+/// Measures a state.
 ///
 /// # Errors
 /// What fails in expanding what is in it.
@@ -128,32 +88,35 @@ pub(super) fn measure<K: Kernel>(
     generation: &Generation,
     state: u32,
     ask: &mut Ask,
-) -> Result<(Proxy, bool), Fault> {
-    let outer = ask.measuring;
+) -> Result<Proxy, Fault> {
     let nested = ask.nested;
+    // Of what draws without an end one has to do.
+    let draws_on = generation.state(state).path.is_some() && generation.endless(tracing.store, state)?.is_some();
+    let (count, width) = if draws_on { (1, WIDTH_WITHOUT_END) } else { (LIKENESSES, WIDTH) };
     let state = generation.state(state);
-    deeper(ask, move |_| {
-        let here = Measuring::new(Arc::clone(&state), outer);
+    further(ask, move |_| {
+        let here = Measuring { circle: tracing.store.survey.circle(state.entry) };
         let mut survey = Survey::default();
-        let likenesses = likenesses(&state);
+        let likenesses = likenesses(&state, count);
         for (number, likeness) in likenesses.iter().enumerate() {
             let mut notes = Notes::default();
             let share = (number as u32, likenesses.len() as u32);
-            let generation = Arc::new(generation.beside(likeness));
+            let generation = tracing.store.beside(generation, likeness);
             let way = Inwards::new(glam::DAffine3::IDENTITY);
-            let mut surveyor = Surveyor { tracing, generation, measuring: &here, nested, way };
+            let mut surveyor = Surveyor { tracing, generation, measuring: &here, width, nested, way };
             surveyor.look(share, &mut survey, &mut notes)?;
+            tracing.store.has_measured(surveyor.generation);
         }
         let kind = BuildQuickHash::default().hash_one(&*state);
-        Ok((survey.proxy(kind), here.clean.into_inner()))
+        Ok(survey.proxy(kind))
     })
 }
 
 /// The states that are looked at for a state: it alone if there is no chance in it.
-fn likenesses(state: &Arc<State>) -> Vec<Arc<State>> {
+fn likenesses(state: &Arc<State>, count: u32) -> Vec<Arc<State>> {
     match state.path {
         None => vec![Arc::clone(state)],
-        Some(_) => (0..LIKENESSES).filter_map(|it| state.likeness(it)).map(Arc::new).collect(),
+        Some(_) => (0..count).filter_map(|it| state.likeness(it)).map(Arc::new).collect(),
     }
 }
 
@@ -162,7 +125,9 @@ struct Surveyor<'a, 's, K: Kernel> {
     tracing: &'a Tracing<'a, 's, K>,
     /// One that begins with the state.
     generation: Arc<Generation>,
-    measuring: &'a Measuring<'a>,
+    measuring: &'a Measuring,
+    /// How wide the rays are, in parts of the state's size.
+    width: f64,
     nested: u32,
     way: Inwards,
 }
@@ -177,7 +142,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
     fn look(&mut self, (which, of): (u32, u32), survey: &mut Survey, notes: &mut Notes) -> Result<(), Fault> {
         let bounds = self.cell(&self.generation)?.bounds;
         let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
-        let girth = Girth { width: 2.0 * half.max_element() * WIDTH, spread: 0.0 };
+        let girth = Girth { width: 2.0 * half.max_element() * self.width, spread: 0.0 };
         let mut seen = Seen::default();
         for (view, direction) in directions().enumerate() {
             survey.look(view, direction);

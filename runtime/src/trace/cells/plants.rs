@@ -19,11 +19,14 @@ impl Workshop<'_, '_> {
     /// # Errors
     /// What fails in expanding what is in it.
     pub(super) fn know_plants(&mut self, number: u32, otherwise: Extent) -> Result<(), Fault> {
+        // What shapes lead to is not in what is known by abstract states.
+        let otherwise = Extent { rounds: u32::MAX, ..otherwise };
         let mut numbers = vec![number];
         let mut plants: Vec<Plant> = Vec::new();
         let mut left = MOST_PIECES;
         while let Some(next) = numbers.get(plants.len()) {
-            let pieces = self.pieces(*next)?;
+            let next = *next;
+            let pieces = self.pieces(next)?;
             left = left.saturating_sub(pieces.len());
             if numbers.len() > MOST_PLANTS || left == 0 {
                 self.know(number, otherwise);
@@ -31,8 +34,9 @@ impl Workshop<'_, '_> {
             }
             let mut planting = Planting { shop: self, numbers: &mut numbers, next: Vec::new() };
             let sketch = planting.sketch(&pieces)?;
-            let next = planting.next;
-            plants.push(Plant { sketch, next });
+            let targets = planting.next;
+            let entry = self.state(next).entry;
+            plants.push(Plant { sketch, next: targets, circle: self.store.survey.circle(entry) });
         }
         match extents_of_plants(&plants) {
             Ok(extents) => numbers.iter().zip(extents).for_each(|(number, extent)| self.know(*number, extent)),

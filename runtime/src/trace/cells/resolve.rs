@@ -226,6 +226,11 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
     }
 
+    /// Where states and cells are kept.
+    pub(super) fn store(&self) -> &'a Store<'s> {
+        self.store
+    }
+
     /// Where the last hit was.
     pub(super) fn place(&self) -> Option<&Place<'g>> {
         self.place.as_deref()

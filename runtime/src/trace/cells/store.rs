@@ -19,7 +19,7 @@ use super::cell::{Cell, Grain};
 use super::ending::Ending;
 use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
-use crate::abstraction::{HyperBoxes, Survey};
+use crate::abstraction::{Circle, HyperBoxes, Survey};
 use crate::fault::{Fault, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
@@ -49,6 +49,8 @@ pub(super) struct Store<'s> {
     /// Bytes that each may keep.
     pub(super) bench_bytes: usize,
     generation: Mutex<Arc<Generation>>,
+    /// The generation in which a state was measured last.
+    measured: Mutex<Option<Arc<Generation>>>,
     root: Arc<State>,
     tally: Arc<Tally>,
     pub(super) expanded: AtomicU64,
@@ -80,6 +82,8 @@ pub(super) struct Generation {
     endings: Chunks<OnceLock<Box<Ending>>>,
     /// The numbers of the states that look from far away as others do.
     models: Chunks<OnceLock<u32>>,
+    /// The recursions in which states may go on without an end.
+    endless: Chunks<OnceLock<Option<Circle>>>,
     looks: Arc<Looks>,
     count: AtomicU64,
     /// Bytes of all but giants, and of what is no cell.
@@ -91,6 +95,8 @@ pub(super) struct Generation {
     enough: u64,
     /// Beyond this nothing is kept but one cell and giants.
     most: u64,
+    /// Whether something is measured in it.
+    measures: bool,
     tally: Arc<Tally>,
     /// The one before, until there is another after this.
     before: Mutex<Option<Arc<Self>>>,
@@ -143,6 +149,7 @@ impl<'s> Store<'s> {
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
             generation: Mutex::new(Arc::new(Generation::new(limits, &Arc::new(Looks::new(&tally)), &root, None))),
+            measured: Mutex::default(),
             root,
             tally,
             expanded: AtomicU64::new(0),
@@ -193,6 +200,22 @@ impl<'s> Store<'s> {
             *current = Arc::new(Generation::new(&self.limits, &looks, &self.root, before));
         }
         Arc::clone(&current)
+    }
+
+    /// A small generation in which a state has number 0, to measure what it looks like: most of what is met there is of use only where a
+    /// state of the same recursion is measured, which is what comes next as a rule.
+    pub(super) fn beside(&self, generation: &Generation, state: &Arc<State>) -> Arc<Generation> {
+        let most = generation.most / if generation.measures { 2 } else { 4 };
+        let before = lock(&self.measured).clone();
+        let mut beside = Generation::with_room_for([most - most / 4, most], &generation.looks, state, before);
+        beside.measures = true;
+        Arc::new(beside)
+    }
+
+    /// Keeps a generation in which a state was measured for the next one.
+    pub(super) fn has_measured(&self, generation: Arc<Generation>) {
+        *lock(&generation.before) = None;
+        *lock(&self.measured) = Some(generation);
     }
 
     /// The cell of a state; `None` if it is not there and there is no room for it.
@@ -267,6 +290,7 @@ impl Generation {
             cells: [Chunks::new(), Chunks::new()],
             endings: Chunks::new(),
             models: Chunks::new(),
+            endless: Chunks::new(),
             looks: Arc::clone(looks),
             count: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
@@ -274,6 +298,7 @@ impl Generation {
             giants: AtomicU32::new(0),
             enough: enough.max(1),
             most,
+            measures: false,
             tally: Arc::clone(&looks.tally),
             before: Mutex::new(before),
         };
@@ -307,18 +332,13 @@ impl Generation {
         Self::with_room_for([most; 2], &self.looks, &self.state(number), None)
     }
 
-    /// A small generation in which a state has number 0, to measure what it looks like: most of what is met there is of no
-    /// other use.
-    pub(super) fn beside(&self, state: &Arc<State>) -> Self {
-        let most = self.most / 8;
-        Self::with_room_for([most - most / 4, most], &self.looks, state, None)
-    }
-
     /// The one after this, which begins with the same state: what is asked for again is carried over.
     pub(super) fn next(self: Arc<Self>) -> Arc<Self> {
         *lock(&self.before) = None;
         let (room, root) = ([self.enough, self.most], self.state(super::ROOT));
-        Arc::new(Self::with_room_for(room, &self.looks, &root, Some(Arc::clone(&self))))
+        let mut next = Self::with_room_for(room, &self.looks, &root, Some(Arc::clone(&self)));
+        next.measures = self.measures;
+        Arc::new(next)
     }
 
     /// The number of a state: equal states have the same one.
@@ -354,6 +374,29 @@ impl Generation {
             None => number,
             Some(model) => self.number(&Arc::new(model)),
         })
+    }
+
+    /// The recursion that a state is in, if so many of it are inside one another in the state that there may be no end of them, and the
+    /// program gives nothing that stands for it.
+    ///
+    /// # Errors
+    /// What fails in finding its bounds.
+    pub(super) fn endless(&self, store: &Store, number: u32) -> Result<Option<Circle>, Fault> {
+        let place = self.endless.at(number);
+        if let Some(known) = place.get() {
+            return Ok(*known);
+        }
+        let state = self.state(number);
+        let circle = store.survey.circle(state.entry).filter(|_| store.expander.proxy(state.entry).is_none());
+        let endless = match circle {
+            Some(circle) => {
+                let mut shop = store.workshop();
+                let number = shop.number_of(&state);
+                shop.is_tall(number)?.then_some(circle)
+            }
+            None => None,
+        };
+        Ok(*place.get_or_init(|| endless))
     }
 
     /// What stands for a state from far away, if that is known.

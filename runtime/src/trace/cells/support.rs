@@ -17,6 +17,8 @@ use crate::geometry::Aabb;
 const MOST_OPENED: u32 = 512;
 /// What a state counts as that is likely to be of no further use.
 const RARE: u32 = 32;
+/// What a state counts as that may have no end: what is looked for may never be found.
+const TALL: u32 = 8;
 /// Booleans inside one another that a search goes into; below, loose bounds stand.
 const MOST_NESTED: u32 = 8;
 
@@ -135,7 +137,8 @@ impl Workshop<'_, '_> {
             if next.most <= reach.best + reach.slack {
                 continue;
             }
-            opened += if self.is_rare(next.state) { RARE } else { 1 };
+            let rare = if self.is_rare(next.state) { RARE } else { 1 };
+            opened += rare * if self.is_tall(next.state)? { TALL } else { 1 };
             if opened > MOST_OPENED {
                 return Ok(reach.open.iter().map(|it| it.most).fold(reach.best.max(next.most), f64::max));
             }

@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use super::ask::{Notes, Veil};
 use super::cell::Named;
 use super::ending::Ending;
-use super::measure::{Known, Measuring};
+use super::measure::Measuring;
 use super::proxy::Proxy;
 use super::resolve::{Hit, Resolver};
 use crate::fault::Fault;
@@ -50,37 +50,40 @@ impl<'g> Resolver<'_, '_, 'g> {
             let coverage = if last { 1.0 } else { (part / open).min(1.0) };
             open -= part;
             self.go(notes, veil.mark)?;
-            self.see_veil(veil, coverage, hit.ray, measuring, seen);
+            self.see_veil(veil, coverage, hit.ray, measuring, seen)?;
         }
         Ok(!closed)
     }
 
     /// Adds a fragment for each paint of what a veil stands for; together they hide so much.
-    fn see_veil(&self, veil: &Veil, coverage: f64, ray: &Ray, measuring: Option<&Measuring>, seen: &mut Seen) {
+    fn see_veil(
+        &self,
+        veil: &Veil,
+        coverage: f64,
+        ray: &Ray,
+        measuring: Option<&Measuring>,
+        seen: &mut Seen,
+    ) -> Result<(), Fault> {
         let Some(place) = self.place() else {
-            return;
+            return Ok(());
         };
         let cell = self.cell_of(place);
         let Some(part) = cell.parts.get(veil.mark.part as usize) else {
-            return;
+            return Ok(());
         };
         let Named::Instance(instance) = part.member.named() else {
-            return;
+            return Ok(());
         };
         let instance = &cell.instances[instance as usize];
         let here = self.generation_of(&place.cell);
         let model = here.model(instance.state);
-        let held;
+        let is_closed = match measuring {
+            Some(measuring) => measuring.is_closed(self.store(), here, model)?,
+            None => false,
+        };
         let proxy: Option<&Proxy> = match here.ending(model) {
-            Some(Ending::Looks(proxy)) => Some(proxy),
-            Some(Ending::Solid(_)) => None,
-            None => match measuring.and_then(|it| it.knows(&here.state(model))) {
-                Some(Known::Looks(proxy)) => {
-                    held = proxy;
-                    Some(&held)
-                }
-                Some(Known::UnderWay) | None => None,
-            },
+            Some(Ending::Looks(proxy)) if !is_closed => Some(proxy),
+            Some(Ending::Looks(_) | Ending::Solid(_)) | None => None,
         };
         let local = self.local(place, ray).entered(&instance.way).0;
         let mean = proxy.map_or(-local.direction, |it| it.normal(local.direction));
@@ -112,6 +115,7 @@ impl<'g> Resolver<'_, '_, 'g> {
                 self.stand(place, veil.mark.part, (ray, veil.t), seen);
             }
         }
+        Ok(())
     }
 }
 

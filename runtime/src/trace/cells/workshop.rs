@@ -55,6 +55,8 @@ impl Measure {
 
 /// Primitives from which on a state is vast.
 const VAST: u64 = 1 << 20;
+/// States of one recursion inside one another from which on a state is tall.
+const TALL: u32 = 64;
 
 /// What a workshop has at hand.
 #[derive(Debug)]
@@ -307,6 +309,14 @@ impl<'a, 's> Workshop<'a, 's> {
     pub(super) fn is_worth_a_coarse_cell(&mut self, number: u32) -> Result<bool, Fault> {
         let Measure { enough, .. } = self.measure(number);
         self.extent(number).map(|it| it.count.primitives > enough as u64)
+    }
+
+    /// Whether so many states of one recursion are inside one another in a state that there may be no end of them.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn is_tall(&mut self, number: u32) -> Result<bool, Fault> {
+        self.extent(number).map(|it| it.rounds > TALL)
     }
 
     /// Whether all states in a state are small. (Those may be more: what is known of each by itself is more.)

@@ -11,7 +11,7 @@ use treegen_runtime::form::{
     Background, BinaryOp, Camera, Lens, Material, Node, NodeId, PrimitiveKind, Scene, Sky, Slot, Sun, TransformKind,
 };
 use treegen_runtime::geometry::Ray;
-use treegen_runtime::mesh::StemSurface;
+use treegen_runtime::mesh::{StemSurface, WhatLeftOut};
 use treegen_runtime::picture::{self, Picture, RenderOptions};
 use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -385,7 +385,15 @@ fn what_cannot_be_drawn_is_told_of() {
     let endless = b.module(ball, go);
     let endless = b.call(endless, numbers(&[1.0]));
     let both = b.add(Node::Intersect([endless, cube].into()));
-    let start = b.union(&[both, ball]);
+    // It doubles forty times.
+    let fewer = b.call(1, slot_and(Slot(0), BinaryOp::Subtract, 1.0));
+    let twice = b.union(&[fewer, fewer]);
+    let doubling = b.module(ball, twice);
+    let doubling = b.call(doubling, numbers(&[40.0]));
+    let vast = b.add(Node::Difference(cube, [doubling].into()));
+    let start = b.union(&[both, vast, ball]);
     let scanner = Scanner::new(&b.scene(start), StemSurface::Cones, &Limits::default(), &()).unwrap();
-    assert_eq!((scanner.left_out().len(), scanner.primitives()), (1, 1));
+    let left_out: Vec<&WhatLeftOut> = scanner.left_out().iter().map(|it| &it.what).collect();
+    assert!(matches!(left_out[..], [WhatLeftOut::Endless(_), WhatLeftOut::Boolean(_)]), "{left_out:?}");
+    assert_eq!(scanner.primitives(), 1);
 }

@@ -68,8 +68,8 @@ pub(super) struct Union {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Face(u32);
 
-/// So many leaves have numbers in a [`Face`].
-pub(super) const MOST_LEAVES: usize = 1 << 23;
+/// So many leaves have numbers in a [`Face`] with room to spare, and in more of them nobody wants to wait for a picture.
+pub(super) const MOST_LEAVES: usize = 1 << 18;
 
 impl Face {
     fn new(leaf: u32, face: u32) -> Self {

@@ -21,8 +21,8 @@ const MOST_NESTED: u32 = 256;
 pub(crate) enum Undrawn {
     /// A state comes back to itself.
     Endless(State, Origin),
-    /// Booleans are too deep in one another.
-    Nested,
+    /// It is too large, or Booleans are too deep in one another.
+    Large,
     /// A fault.
     Fault(Fault),
 }
@@ -38,17 +38,17 @@ impl From<Fault> for Undrawn {
 /// # Errors
 /// Why it cannot be drawn.
 pub(crate) fn compound(expander: &Expander<'_>, item: &Item, limits: &Limits) -> Result<Compound, Undrawn> {
-    let most = limits.triangles.min(MOST_LEAVES as u64);
     let whole = Compound { leaves: Vec::new(), nodes: Vec::new() };
-    let mut flatten = Flatten { expander, most, depth: limits.depth, whole };
+    let mut flatten = Flatten { expander, left: MOST_LEAVES, depth: limits.depth, whole };
     flatten.boolean(&item.solid, &Way::START, 0)?;
     Ok(flatten.whole)
 }
 
 struct Flatten<'f, 's> {
     expander: &'f Expander<'s>,
-    /// Leaves, and states in one another, at most.
-    most: u64,
+    /// How many leaves may be added, and states expanded.
+    left: usize,
+    /// States in one another at most.
     depth: u32,
     whole: Compound,
 }
@@ -95,7 +95,7 @@ impl Flatten<'_, '_> {
     /// It calls itself for Booleans in Booleans.
     fn boolean(&mut self, solid: &Solid, way: &Way, nested: u32) -> Result<u32, Undrawn> {
         if nested >= MOST_NESTED {
-            return Err(Undrawn::Nested);
+            return Err(Undrawn::Large);
         }
         let what = match solid {
             Solid::Intersect(operands) => Part::Intersection(self.unions(operands.iter(), way, nested)?),
@@ -146,10 +146,17 @@ impl Flatten<'_, '_> {
         Ok(self.node(bounds, Part::Union(Union::new(&boxes))))
     }
 
-    fn expand(&self, state: &State, origin: Origin, mut way: Way) -> Result<(Group, Way), Undrawn> {
+    /// Takes note of a leaf or a state.
+    fn spend(&mut self) -> Result<(), Undrawn> {
+        self.left = self.left.checked_sub(1).ok_or(Undrawn::Large)?;
+        Ok(())
+    }
+
+    fn expand(&mut self, state: &State, origin: Origin, mut way: Way) -> Result<(Group, Way), Undrawn> {
         if way.trail().any(|it| it.state == *state) {
             return Err(Undrawn::Endless(state.clone(), origin));
         }
+        self.spend()?;
         let depth = way.states.as_ref().map_or(1, |it| it.depth + 1);
         let trail = Trail { state: state.clone(), origin, depth, outer: way.states.take() };
         way.states = Some(Rc::new(trail));
@@ -166,9 +173,7 @@ impl Flatten<'_, '_> {
 
     fn leaf(&mut self, item: &Item, way: &Way) -> Result<u32, Undrawn> {
         let Solid::Leaf { primitive, origin, bark } = &item.solid else { return Ok(0) };
-        if self.whole.leaves.len() as u64 >= self.most {
-            return Err(self.told(limit(Limit::Triangles, self.most, *origin), way).into());
-        }
+        self.spend()?;
         let bounds = primitive.bounds().mapped(&way.own_from_here);
         self.whole.leaves.push(Leaf {
             primitive: primitive.clone(),

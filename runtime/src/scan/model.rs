@@ -183,7 +183,7 @@ impl Maker for Modeller {
             Err(Undrawn::Endless(state, origin)) => {
                 return Ok(Some(WhatLeftOut::Endless(expander.trail_step(&state, origin).name)));
             }
-            Err(Undrawn::Nested) => return Ok(Some(walk::left_out_boolean(&item.solid))),
+            Err(Undrawn::Large) => return Ok(Some(walk::left_out_boolean(&item.solid))),
         };
         let origin = compound.origin();
         self.spend(component, compound.count(), origin)?;

@@ -16,7 +16,7 @@ use jsonschema::Validator;
 use serde_json::{Value, json};
 use treegen_compiler::{
     Compiled, LoadError, Loaded, Loader, Options, Problem, certain_faults, compile, idle_rules, pages, show_json,
-    show_json_sentence,
+    show_json_sentence, vain_solids,
 };
 use treegen_runtime::Limits;
 

@@ -1,8 +1,8 @@
 //! Programs of the gallery with something in them cut off, dropped, doubled, swapped or flipped: each comes to a picture or to a message,
 //! soon, and nearly every message names a place near the change.
 //!
-//! They are read, checked and followed; `TREEGEN_MUTANTS=100 cargo test --release --test mutants` also draws a hundred of each program. That
-//! takes long, since a mutant may well recur without an end that a pixel sees soon.
+//! They are read, checked and followed, and `TREEGEN_FAR=1` shows those whose first place is far away;
+//! `TREEGEN_MUTANTS=100 cargo test --release --test mutants` also draws a hundred of each program, which takes long.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -240,5 +240,5 @@ fn whatever_is_changed_there_is_a_picture_or_a_message_near_the_change() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(refused > count() && drawn > count(), "the changes change too much or too little");
     assert!(near * 100 >= refused * 99, "{near} of {refused} are near");
-    assert!(nearest * 100 >= refused * 97, "{nearest} of {refused} are near by their first place");
+    assert!(nearest * 100 >= refused * 99, "{nearest} of {refused} are near by their first place");
 }

@@ -109,6 +109,19 @@ fn a_recursion_without_an_end_is_seen_by_beams_and_is_too_deep_for_rays() {
     assert!(matches!(fault.fault.kind, FaultKind::Limit { limit: Limit::Depth, .. }), "{fault:?}");
 }
 
+#[test]
+fn a_counter_that_jumps_past_its_end_is_seen_as_a_recursion_without_one() {
+    let (endless, missed) = (common::sierpinski(f64::INFINITY), common::sierpinski(5.5));
+    let (beams, _) = square(DIRECTIONS[1], 24, 1.3, 0.06);
+    let seen = |scene| {
+        let seen = look(&tracer(scene, &Limits::default(), Culling::State), &beams);
+        seen.iter().map(|it| coverage(it)).collect::<Vec<f64>>()
+    };
+    let (one, other) = (seen(&endless), seen(&missed));
+    let mean = |it: &[f64]| it.iter().sum::<f64>() / it.len() as f64;
+    assert!(mean(&one) > 0.2 && (mean(&one) - mean(&other)).abs() < 0.02, "{} {}", mean(&one), mean(&other));
+}
+
 /// All numbers of what beams saw, to the bit, and of the light that comes to it.
 fn bits(tracer: &CellTracer, beams: &[Beam]) -> Vec<Vec<u64>> {
     let seen = look(tracer, beams);
@@ -152,7 +165,13 @@ fn chance(order: f64) -> Scene {
 
 #[test]
 fn company_culling_memory_and_threads_change_no_bit() {
-    for (scene, width) in [(common::sierpinski(9.0), 0.05), (common::menger(4.0), 0.1), (chance(7.0), 0.15)] {
+    for (scene, width) in [
+        (common::sierpinski(9.0), 0.05),
+        (common::menger(4.0), 0.1),
+        (chance(7.0), 0.15),
+        // A counter that jumps past its end: no state of it comes again.
+        (common::sierpinski(5.5), 0.05),
+    ] {
         let (beams, _) = square(DIRECTIONS[1], 16, 1.3, width);
         let limits = Limits::default();
         let together = bits(&tracer(&scene, &limits, Culling::State), &beams);

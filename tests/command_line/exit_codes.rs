@@ -78,7 +78,7 @@ fn a_place_that_cannot_be_written_to_gives_4() {
 #[test]
 fn quiet_says_nothing_but_errors() {
     let folder = Folder::with(&[("a.tg", &format!("{SPHERE} csg Unused {{ start box; }}"))]);
-    folder.run(&["check", "a.tg"]).ended(0).saying(&["warning", "Unused", "no mistakes"]);
+    folder.run(&["check", "a.tg"]).ended(0).saying(&["warning", "Unused", "no errors, 1 warning"]);
     assert_eq!(folder.run(&["check", "-q", "a.tg"]).ended(0).said, "");
     assert_eq!(folder.run(&["-q", "a.tg"]).ended(0).said, "");
     folder.run(&["-q", "absent.tg"]).ended(4).saying(&["absent.tg"]);

@@ -138,7 +138,8 @@ impl Workshop<'_, '_> {
                 continue;
             }
             let rare = if self.is_rare(next.state) { RARE } else { 1 };
-            opened += rare * if self.is_tall(next.state)? { TALL } else { 1 };
+            // What is only framed by it is asked for once.
+            opened += rare * if reach.of == Of::All && self.is_tall(next.state)? { TALL } else { 1 };
             if opened > MOST_OPENED {
                 return Ok(reach.open.iter().map(|it| it.most).fold(reach.best.max(next.most), f64::max));
             }

@@ -37,8 +37,8 @@ struct Arguments {
     /// How many frames
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
     frames: u32,
-    /// How many pixels a tile is wide and high
-    #[arg(long, default_value_t = 64)]
+    /// How large tiles are: four times as wide as this, and half as high
+    #[arg(long, default_value_t = 128)]
     tile: u32,
     /// Said by cargo.
     #[arg(long, hide = true)]

@@ -28,6 +28,8 @@ pub struct ConvexSet {
     faces: Faces,
     /// The middle of the box around its corners.
     center: DVec3,
+    /// Each corner once, if there are few.
+    tips: Vec<DVec3>,
     levels: Vec<Level>,
 }
 
@@ -58,7 +60,8 @@ impl ConvexSet {
             .corners
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), it| (low.min(*it), high.max(*it)));
-        Some(Self { planes, faces, center: (low + high) * 0.5, levels: Vec::new() })
+        let tips = if faces.open.is_empty() { tips(&faces.corners) } else { Vec::new() };
+        Some(Self { planes, faces, center: (low + high) * 0.5, tips, levels: Vec::new() })
     }
 
     /// The same with levels of detail, if it is bounded by the last planes of a family: what a beam sees of it lies so many times the beam's
@@ -82,6 +85,11 @@ impl ConvexSet {
     #[inline]
     pub(crate) fn shown(&self, detail: Detail) -> Shown<'_> {
         levels::shown(self, &self.levels, detail)
+    }
+
+    /// The corners of what is seen of it, or of something around that: none if it has no end, or many corners.
+    pub(crate) fn tips(&self, detail: Detail) -> &[DVec3] {
+        levels::tips(&self.levels, detail).unwrap_or(&self.tips)
     }
 
     /// All of it.
@@ -154,6 +162,7 @@ impl ConvexSet {
         size_of_val(self)
             + size_of_val(&*self.planes)
             + self.faces.bytes()
+            + size_of_val(&*self.tips)
             + self.levels.iter().map(Level::bytes).sum::<usize>()
     }
 }
@@ -178,6 +187,24 @@ impl Plane {
     pub(crate) fn met(&self, line: &Ray) -> f64 {
         (self.offset - self.normal.dot(line.origin)) / self.normal.dot(line.direction)
     }
+}
+
+/// More corners are not told apart: what is around so many is not worth finding each time.
+const MOST_TIPS: usize = 256;
+
+/// Some points, those only once that lie together; none if there are many.
+pub(super) fn tips(points: &[DVec3]) -> Vec<DVec3> {
+    if points.len() > MOST_TIPS {
+        return Vec::new();
+    }
+    let together = 1e-12 * points.iter().map(|it| it.abs().max_element()).fold(0.0, f64::max);
+    let mut tips: Vec<DVec3> = Vec::new();
+    for point in points {
+        if tips.iter().all(|it| (*it - *point).abs().max_element() > together) {
+            tips.push(*point);
+        }
+    }
+    tips
 }
 
 fn furthest(points: &[DVec3], direction: DVec3) -> f64 {

@@ -9,7 +9,8 @@
 
 use glam::DVec3;
 
-use super::convex_set::{ConvexSet, Plane};
+use super::convex_set::{self, ConvexSet, Plane};
+use super::plane_tree::{self, PlaneTree};
 use super::shown::Shown;
 
 /// Planes of a derivation.
@@ -29,8 +30,9 @@ pub(crate) struct Level {
     width: f64,
     /// What is seen on that way.
     slides: Vec<Slide>,
-    /// The corners of what all of that lies in.
+    /// The corners of what all of that lies in, and each of them once, if there are few.
     envelope: Vec<DVec3>,
+    tips: Vec<DVec3>,
 }
 
 /// A plane on its way from one level to the next finer one.
@@ -55,9 +57,6 @@ impl Detail {
     pub(crate) const WHOLE: Self = Self { level: usize::MAX, part: 0.0 };
 }
 
-/// Sets of more planes have no levels: to find how far those lie from the whole, all corners are compared with all planes.
-const MOST: usize = 4096;
-
 impl Slide {
     /// The plane where it is on its way.
     pub(crate) fn at(&self, part: f64) -> Plane {
@@ -77,7 +76,7 @@ impl Level {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.set.bytes() + size_of_val(&*self.slides) + size_of_val(&*self.envelope)
+        self.set.bytes() + size_of_val(&*self.slides) + size_of_val(&*self.envelope) + size_of_val(&*self.tips)
     }
 }
 
@@ -106,10 +105,16 @@ pub(super) fn shown<'s>(set: &'s ConvexSet, levels: &'s [Level], detail: Detail)
     }
 }
 
+/// The corners of what is seen of a set with these coarser levels, or of something around that; `None` for the whole.
+pub(super) fn tips(levels: &[Level], detail: Detail) -> Option<&[DVec3]> {
+    let level = levels.get(detail.level)?;
+    Some(if detail.part > 0.0 { &level.tips } else { level.set.tips(Detail::WHOLE) })
+}
+
 /// The levels of a set that is bounded by the last planes of a family, the coarsest first. What a beam sees lies so many times its width from
 /// the whole at most.
 pub(super) fn levels(whole: &ConvexSet, family: &Family, tolerance: f64) -> Vec<Level> {
-    if whole.is_empty() || whole.open().is_some() || family.last.len() > MOST {
+    if whole.is_empty() || whole.open().is_some() {
         return Vec::new();
     }
     let lines: Vec<Vec<u32>> = family.last.iter().map(|it| family.line(*it)).collect();
@@ -155,12 +160,14 @@ fn level(
         return None;
     }
     // Where each plane only touches the other level.
+    let [coarse_corners, fine_corners] = [&set, finer_set].map(|it| plane_tree::points(it.corners()));
+    let [coarse_tree, fine_tree] = [&coarse_corners, &fine_corners].map(|it| PlaneTree::new(it));
     let mut slides = Vec::new();
     for number in coarser {
         let Plane { normal, offset } = family.planes[*number as usize].0;
         // One that is not split stays where it is.
         let stays = finer.binary_search(number).is_ok();
-        let way = if stays { 0.0 } else { (finer_set.reach_along(normal) - offset).max(0.0) };
+        let way = if stays { 0.0 } else { (fine_tree.most_along(normal) - offset).max(0.0) };
         slides.push(Slide { normal, offset, way });
     }
     let envelope = ConvexSet::of_planes(slides.iter().map(|it| it.at(1.0)).collect())?;
@@ -169,7 +176,7 @@ fn level(
     }
     for number in finer.iter().filter(|it| coarser.binary_search(it).is_err()) {
         let Plane { normal, offset } = family.planes[*number as usize].0;
-        let start = set.reach_along(normal).max(offset);
+        let start = coarse_tree.most_along(normal).max(offset);
         slides.push(Slide { normal, offset: start, way: offset - start });
     }
     // All that is seen on the way holds what is common to both levels, and lies in the envelope.
@@ -177,17 +184,20 @@ fn level(
     let outer = apart(envelope.corners(), whole, center);
     let width = outer.max(inner[0]).max(inner[1]);
     let envelope = envelope.corners().to_vec();
-    (width.is_finite() && width > 0.0).then_some(Level { set, width, slides, envelope })
+    let tips = convex_set::tips(&envelope);
+    (width.is_finite() && width > 0.0).then_some(Level { set, width, slides, envelope, tips })
 }
 
 /// At least how far any of some points lies from a set that holds a point.
 fn apart(points: &[DVec3], set: &ConvexSet, center: DVec3) -> f64 {
     let planes: Vec<DVec3> = set.planes().iter().map(|it| it.normal / (it.offset - it.normal.dot(center))).collect();
+    let planes = plane_tree::points(&planes);
+    let tree = PlaneTree::new(&planes);
     let mut most: f64 = 0.0;
     for point in points {
         let way = *point - center;
         // How many times as far as the surface it lies from the centre.
-        let times = planes.iter().map(|it| it.dot(way)).fold(1.0, f64::max);
+        let times = tree.most_along(way).max(1.0);
         most = most.max(way.length() * (1.0 - 1.0 / times));
     }
     most

@@ -1,4 +1,5 @@
-//! Trees of planes: which of many planes come near a place, and which face nearly the same way, without a look at all of them.
+//! Trees of planes: which of many planes come near a place, which face nearly the same way, and how far the furthest of many points lies,
+//! without a look at all of them.
 
 use glam::DVec3;
 
@@ -12,6 +13,8 @@ pub(super) struct PlaneTree<'p> {
     order: Vec<u32>,
     // Invariant: the first node is the root; children stand after their parent.
     nodes: Vec<Node>,
+    /// No part of a normal is greater than that.
+    size: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -33,16 +36,22 @@ const FEW: usize = 8;
 const ROUNDING: f64 = 1e-14;
 
 impl Node {
-    /// At least what any of its normals makes with a vector.
-    fn most_along(&self, vector: DVec3) -> f64 {
+    /// At least what any of its normals makes with a vector, if none of their parts is greater than `size`.
+    fn most_along(&self, vector: DVec3, size: f64) -> f64 {
         let most = (self.low * vector).max(self.high * vector).element_sum();
-        most + ROUNDING * vector.abs().element_sum()
+        most + ROUNDING * size * vector.abs().element_sum()
     }
+}
+
+/// Points as planes whose normals lead to them: so they stand in a tree.
+pub(super) fn points(points: &[DVec3]) -> Vec<Plane> {
+    points.iter().map(|it| Plane { normal: *it, offset: 0.0 }).collect()
 }
 
 impl<'p> PlaneTree<'p> {
     pub(super) fn new(planes: &'p [Plane]) -> Self {
-        let mut tree = Self { planes, order: Vec::new(), nodes: Vec::new() };
+        let size = planes.iter().map(|it| it.normal.abs().max_element()).fold(1.0, f64::max);
+        let mut tree = Self { planes, order: Vec::new(), nodes: Vec::new(), size };
         let mut order: Vec<u32> = (0..planes.len() as u32).collect();
         if !planes.is_empty() {
             tree.split(&mut order, 0);
@@ -77,13 +86,38 @@ impl<'p> PlaneTree<'p> {
         &self.order[node.first as usize..node.end as usize]
     }
 
+    /// The greatest scalar product of any of the normals with a vector; no number is less if there are none.
+    pub(super) fn most_along(&self, vector: DVec3) -> f64 {
+        let mut most = f64::NEG_INFINITY;
+        let mut ahead = vec![0_u32];
+        while let Some(node) = ahead.pop().and_then(|it| self.nodes.get(it as usize)) {
+            if node.most_along(vector, self.size) < most {
+                continue;
+            }
+            match node.below {
+                Some(below) => ahead.extend(self.nearer_last(below, vector)),
+                None => {
+                    let along = self.planes_of(node).iter().map(|it| self.planes[*it as usize].normal.dot(vector));
+                    most = along.fold(most, f64::max);
+                }
+            }
+        }
+        most
+    }
+
+    /// Two nodes, of which the last one is the one that may reach further along a vector.
+    fn nearer_last(&self, [a, b]: [u32; 2], vector: DVec3) -> [u32; 2] {
+        let along = [a, b].map(|it| self.nodes[it as usize].most_along(vector, self.size));
+        if along[0] > along[1] { [b, a] } else { [a, b] }
+    }
+
     /// The numbers of all planes that a ball is not wholly behind, in order, and maybe some more.
     pub(super) fn near(&self, center: DVec3, radius: f64, found: &mut Vec<u32>) {
         found.clear();
         let mut ahead = vec![0_u32];
         while let Some(node) = ahead.pop().and_then(|it| self.nodes.get(it as usize)) {
             let room = ROUNDING * (node.offset.abs() + radius);
-            if node.most_along(center) + room < node.offset - radius {
+            if node.most_along(center, self.size) + room < node.offset - radius {
                 continue;
             }
             match node.below {
@@ -102,13 +136,11 @@ impl<'p> PlaneTree<'p> {
         let mut ahead = vec![0_u32];
         while let Some(node) = ahead.pop().and_then(|it| self.nodes.get(it as usize)) {
             let least = if best.len() == count { best[count - 1].0 } else { f64::NEG_INFINITY };
-            if node.most_along(way) < least {
+            if node.most_along(way, self.size) < least {
                 continue;
             }
-            if let Some([a, b]) = node.below {
-                // The nearer one is the next.
-                let a_is_nearer = self.nodes[a as usize].most_along(way) > self.nodes[b as usize].most_along(way);
-                ahead.extend(if a_is_nearer { [b, a] } else { [a, b] });
+            if let Some(below) = node.below {
+                ahead.extend(self.nearer_last(below, way));
                 continue;
             }
             for other in self.planes_of(node).iter().map(|it| *it as usize).filter(|it| *it != number) {
@@ -149,6 +181,19 @@ mod tests {
                 sorted.sort_by(|a, b| facing(*b).total_cmp(&facing(*a)).then(a.cmp(b)));
                 sorted.truncate(24);
                 assert_eq!(tree.facing(number, 24), sorted, "{count} {number}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_furthest_of_many_points_is_that_of_all() {
+        for count in [0, 1, 9, 700] {
+            let corners: Vec<DVec3> = planes(count).iter().map(|it| it.normal * it.offset * 1e3).collect();
+            let points = points(&corners);
+            let tree = PlaneTree::new(&points);
+            for vector in planes(40).iter().map(|it| it.normal) {
+                let most = corners.iter().map(|it| it.dot(vector)).fold(f64::NEG_INFINITY, f64::max);
+                assert_eq!(tree.most_along(vector), most, "{count} {vector}");
             }
         }
     }

@@ -8,7 +8,7 @@ use super::aabb::Aabb;
 use super::ball;
 use super::chord::{Chord, Chords, Crossing, Crossings};
 use super::convex::Convex;
-use super::convex_set::ConvexSet;
+use super::convex_set::{ConvexSet, Plane};
 use super::flat::{self, HalfSpace};
 use super::frustum;
 use super::levels::Family;
@@ -344,6 +344,15 @@ impl Primitive {
             | Shape::Hyperboloid { .. }
             | Shape::Paraboloid { .. }
             | Shape::Quadric(_) => false,
+        }
+    }
+
+    /// The plane of a face, if it is one that is told by its number alone.
+    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+        match &self.shape {
+            Shape::HalfSpace(half_space) => Plane::new(half_space.normal, half_space.offset),
+            Shape::Box if face < 6 => Some(Plane { normal: flat::cube_normal(face), offset: 1.0 }),
+            _ => None,
         }
     }
 

@@ -4,8 +4,10 @@
 //! lane: none is fused, none is approximate. So what a lane comes to does not depend on the machine, nor on how many lanes there
 //! are, and a ray traced alone meets the same things at the same places, to the bit, as a ray traced among others.
 
+mod single;
 mod wide;
 
+pub(crate) use self::single::{SIXTEEN, Singles, Wholes};
 pub(crate) use self::wide::{Mask, Wide, Wide3, lane_of};
 
 use pulp::{Simd, f32x16, f64x8, u32x16, u64x8};
@@ -38,6 +40,15 @@ pub(crate) trait Kernel: Copy + Send + Sync {
 
     /// Twice eight numbers, rounded to single precision.
     fn narrow(self, low: f64x8, high: f64x8) -> f32x16;
+
+    /// Sixteen numbers in double precision, the first eight and the others.
+    fn widen(self, numbers: f32x16) -> [f64x8; 2];
+
+    /// The four numbers of a quarter, each of them four times.
+    fn spread(self, numbers: f32x16, quarter: usize) -> f32x16;
+
+    /// The last one of each four numbers, four times.
+    fn lasts(self, numbers: f32x16) -> f32x16;
 
     /// Does something in code compiled for this SIMD, if all that it calls is inlined.
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R;
@@ -139,6 +150,36 @@ impl Kernel for Plain {
         pulp::cast(all)
     }
 
+    #[inline(always)]
+    fn widen(self, numbers: f32x16) -> [f64x8; 2] {
+        let numbers: [f32; 16] = pulp::cast(numbers);
+        let mut all = [0.0_f64; 16];
+        for lane in 0..16 {
+            all[lane] = f64::from(numbers[lane]);
+        }
+        pulp::cast(all)
+    }
+
+    #[inline(always)]
+    fn spread(self, numbers: f32x16, quarter: usize) -> f32x16 {
+        let numbers: [f32; 16] = pulp::cast(numbers);
+        let mut all = [0.0_f32; 16];
+        for lane in 0..16 {
+            all[lane] = numbers[4 * quarter + lane / 4];
+        }
+        pulp::cast(all)
+    }
+
+    #[inline(always)]
+    fn lasts(self, numbers: f32x16) -> f32x16 {
+        let numbers: [f32; 16] = pulp::cast(numbers);
+        let mut all = [0.0_f32; 16];
+        for lane in 0..16 {
+            all[lane] = numbers[lane | 3];
+        }
+        pulp::cast(all)
+    }
+
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
         run()
     }
@@ -193,6 +234,25 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn widen(self, numbers: f32x16) -> [f64x8; 2] {
+            let [low, high]: [f32x8; 2] = cast(numbers);
+            [cast(self.avx512f._mm512_cvtps_pd(cast(low))), cast(self.avx512f._mm512_cvtps_pd(cast(high)))]
+        }
+
+        #[inline(always)]
+        fn spread(self, numbers: f32x16, quarter: usize) -> f32x16 {
+            let first = 4 * (quarter as u32 & 3);
+            let (a, b, c, d) = (first, first + 1, first + 2, first + 3);
+            let lanes = pulp::u32x16(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
+            cast(self.avx512f._mm512_permutexvar_ps(cast(lanes), cast(numbers)))
+        }
+
+        #[inline(always)]
+        fn lasts(self, numbers: f32x16) -> f32x16 {
+            cast(self.avx512f._mm512_permute_ps::<0xff>(cast(numbers)))
+        }
+
+        #[inline(always)]
         fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
             Self::vectorize(self, run)
         }
@@ -240,6 +300,34 @@ mod x86 {
                 all[number] = cast(self.avx._mm256_cvtpd_ps(cast(halves[number / 2][number % 2])));
             }
             cast(all)
+        }
+
+        #[inline(always)]
+        fn widen(self, numbers: f32x16) -> [f64x8; 2] {
+            let quarters: [pulp::f32x4; 4] = cast(numbers);
+            let mut all = [f64x4(0.0, 0.0, 0.0, 0.0); 4];
+            for number in 0..4 {
+                all[number] = cast(self.avx._mm256_cvtps_pd(cast(quarters[number])));
+            }
+            cast(all)
+        }
+
+        #[inline(always)]
+        fn spread(self, numbers: f32x16, quarter: usize) -> f32x16 {
+            let numbers: [f32; 16] = cast(numbers);
+            let mut all = [0.0_f32; 16];
+            for lane in 0..16 {
+                all[lane] = numbers[4 * (quarter & 3) + lane / 4];
+            }
+            cast(all)
+        }
+
+        #[inline(always)]
+        fn lasts(self, numbers: f32x16) -> f32x16 {
+            let halves: [f32x8; 2] = cast(numbers);
+            let low: f32x8 = cast(self.avx._mm256_permute_ps::<0xff>(cast(halves[0])));
+            let high: f32x8 = cast(self.avx._mm256_permute_ps::<0xff>(cast(halves[1])));
+            cast([low, high])
         }
 
         #[inline(always)]

@@ -11,6 +11,7 @@ use super::heat;
 use super::light::Lights;
 use super::paint::Paints;
 use super::pixel::{Hit, Pixel};
+use super::plain::Rows;
 use super::sampling::filter_offset;
 use super::shade::Shader;
 use super::tile::{Desk, Painted, Painter, Setting, Stop};
@@ -65,10 +66,16 @@ pub(super) fn render(order: Order<'_>, watch: &dyn Watch) -> Result<Picture, Fau
     let shader = Shader::new(lights, paints);
     let offsets = if view.samples == 1 { vec![DVec2::ZERO] } else { (0..view.most).map(filter_offset).collect() };
     let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, scanner, watch };
-    let job = Job::new(setting, desks, blank(view, scene, picture));
+    let mut picture = blank(view, scene, picture);
+    // Where each pixel has one sample, its colour is put there at once.
+    let mut colors = if setting.plain().is_some() { std::mem::take(&mut picture.color) } else { Vec::new() };
+    let job = Job::new(setting, desks, picture, &mut colors);
     // Each of these takes tile after tile, so that buffers are made once a thread.
     (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());
     let mut picture = job.finish()?;
+    if setting.plain().is_some() {
+        picture.color = colors;
+    }
     if view.heatmap {
         heat::color(&mut picture);
     }
@@ -97,6 +104,8 @@ struct Job<'a> {
     setting: Setting<'a>,
     desks: &'a Mutex<Vec<Desk>>,
     picture: Mutex<Picture>,
+    /// The colours of each row of tiles, if they are not in the picture.
+    bands: Vec<Mutex<&'a mut [[f32; 4]]>>,
     /// The next tile to be taken.
     next: AtomicU64,
     /// How many pixels are done.
@@ -108,8 +117,10 @@ struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    fn new(setting: Setting<'a>, desks: &'a Mutex<Vec<Desk>>, picture: Picture) -> Self {
+    fn new(setting: Setting<'a>, desks: &'a Mutex<Vec<Desk>>, picture: Picture, colors: &'a mut [[f32; 4]]) -> Self {
+        let band = setting.tile().1 as usize * setting.view.crop.width as usize;
         Self {
+            bands: colors.chunks_mut(band.max(1)).map(Mutex::new).collect(),
             setting,
             desks,
             picture: Mutex::new(picture),
@@ -126,7 +137,14 @@ impl<'a> Job<'a> {
         let desk = self.desks.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut painter = Painter::new(self.setting, desk.unwrap_or_default());
         while let Some(tile) = self.take() {
-            match painter.paint(&tile) {
+            let band = self.bands.get(self.band(&tile));
+            // If another thread is at work there, they are put there later.
+            let mut rows = band.and_then(|it| it.try_lock().ok());
+            let into =
+                rows.as_mut().map(|it| Rows::new(it, self.width(), (tile.x - self.setting.view.crop.x) as usize));
+            let painted = painter.paint(&tile, into);
+            drop(rows);
+            match painted {
                 Ok(Painted::Pixels(pixels, centres)) => self.put(pixels, centres),
                 Ok(Painted::Rows(colors, pixels, centres)) => self.put_rows(&tile, colors, pixels, centres),
                 Err(Stop::Interrupted) => self.interrupted.store(true, Ordering::Relaxed),
@@ -147,7 +165,7 @@ impl<'a> Job<'a> {
         if self.interrupted.load(Ordering::Relaxed) {
             return None;
         }
-        let tile = tile(self.setting.view, self.next.fetch_add(1, Ordering::Relaxed))?;
+        let tile = tile(self.setting.view.crop, self.setting.tile(), self.next.fetch_add(1, Ordering::Relaxed))?;
         (self.number((tile.x, tile.y)) < self.bound.load(Ordering::Relaxed)).then_some(tile)
     }
 
@@ -176,16 +194,30 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn put_rows(&self, tile: &Rect, colors: &[[f32; 4]], pixels: &[Pixel], centres: &[Option<Hit>]) {
-        let crop = self.setting.view.crop;
-        let (width, first) = (crop.width as usize, (tile.x - crop.x) as usize);
-        let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
-        let rows = picture.color.chunks_exact_mut(width).skip((tile.y - crop.y) as usize);
-        for (row, colors) in rows.zip(colors.chunks_exact(tile.width as usize)) {
-            row[first..first + tile.width as usize].copy_from_slice(colors);
+    /// The number of the row of tiles that a tile is in.
+    fn band(&self, tile: &Rect) -> usize {
+        ((tile.y - self.setting.view.crop.y) / self.setting.tile().1) as usize
+    }
+
+    /// How many pixels are in a row.
+    fn width(&self) -> usize {
+        self.setting.view.crop.width as usize
+    }
+
+    /// Puts colours where they belong, if they are not there.
+    fn put_rows(&self, tile: &Rect, colors: Option<&[[f32; 4]]>, pixels: &[Pixel], centres: &[Option<Hit>]) {
+        let first = (tile.x - self.setting.view.crop.x) as usize;
+        if let (Some(colors), Some(band)) = (colors, self.bands.get(self.band(tile))) {
+            let mut band = band.lock().unwrap_or_else(PoisonError::into_inner);
+            let rows = band.chunks_exact_mut(self.width());
+            for (row, colors) in rows.zip(colors.chunks_exact(tile.width as usize)) {
+                row[first..first + tile.width as usize].copy_from_slice(colors);
+            }
         }
-        self.put_layers(&mut picture, pixels, centres);
-        drop(picture);
+        if self.setting.view.layers {
+            let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+            self.put_layers(&mut picture, pixels, centres);
+        }
         self.advance(u64::from(tile.width) * u64::from(tile.height));
     }
 
@@ -230,10 +262,10 @@ impl Layers {
 }
 
 /// The tile of this number, row by row; at the right and lower border tiles are smaller.
-fn tile(view: &View, number: u64) -> Option<Rect> {
-    let Rect { x, y, width, height } = view.crop;
-    let columns = u64::from(width.div_ceil(view.tile));
-    let left = (number % columns) as u32 * view.tile;
-    let top = u32::try_from(number / columns).ok()?.checked_mul(view.tile).filter(|top| *top < height)?;
-    Some(Rect { x: x + left, y: y + top, width: view.tile.min(width - left), height: view.tile.min(height - top) })
+fn tile(crop: Rect, (wide, high): (u32, u32), number: u64) -> Option<Rect> {
+    let Rect { x, y, width, height } = crop;
+    let columns = u64::from(width.div_ceil(wide));
+    let left = (number % columns) as u32 * wide;
+    let top = u32::try_from(number / columns).ok()?.checked_mul(high).filter(|top| *top < height)?;
+    Some(Rect { x: x + left, y: y + top, width: wide.min(width - left), height: high.min(height - top) })
 }

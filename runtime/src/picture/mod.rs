@@ -70,7 +70,8 @@ pub struct RenderOptions {
     pub samples: Option<u32>,
     /// Whether the picture has [`Layers`].
     pub layers: bool,
-    /// How many pixels a tile is wide and high. It affects the time, never the picture.
+    /// How many pixels a tile is wide and high; where one sample a pixel is drawn, it is four times as wide and half as high. It affects the
+    /// time, never the picture.
     pub tile: u32,
     /// Whether the picture shows how much work each pixel makes ([`Tracer::work`]), along the ray through its centre, instead of
     /// what is seen there: from black for none over red and yellow to white for the most, which [`Picture::most_work`] tells.

@@ -6,41 +6,57 @@ use glam::{DAffine3, DVec3};
 
 use super::compound;
 use super::frame::{Frame, Piece, Shape};
-use super::hull::{self, Hull, Registers};
+use super::hull::{self, Hull};
 use super::materials::Materials;
 use super::model::Run;
 use super::projection::Projection;
+use super::registers::Registers;
 use super::solid::{self, Meeting};
 use super::tour::{Met, What};
 use super::triangle::{self, Seeing};
-use crate::form::PrimitiveKind;
-use crate::geometry::{Aabb, ConvexSet, Detail};
+use crate::form::{MaterialId, PrimitiveKind};
+use crate::geometry::{Aabb, ConvexSet, Detail, Rind};
 use crate::mesh::Surface;
+use crate::texture::Rough;
 use crate::trace::Bark;
 
 /// Draws what is met and says what it is.
 pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Materials, met: &Met<'_>) {
-    if draw(frame, registers, materials, met, Meeting::First) {
-        let own_from_world = Box::new(met.world_from_own.inverse());
-        let material = met.look.material;
+    let own_from_world = met.world_from_own.inverse();
+    let material = met.look.material;
+    if let What::Primitive(primitive, bark) = met.what
+        && let Some(set) = primitive.hull()
+    {
+        let (rough, detail) = (materials.rough(material), detail(set, &own_from_world, frame.projection()));
+        let hull = hull(primitive.bounds(), (set, detail), (&met.world_from_own, &own_from_world), rough);
+        if hull::draw(frame, registers, hull, Meeting::First) {
+            let (primitive, own_from_world) = (primitive.clone(), Box::new(own_from_world));
+            let shape = Shape::Hull { primitive, own_from_world, detail, rough: rough.cloned() };
+            frame.say(Piece { look: met.look, shape, rind: rind(bark, materials, material) });
+        }
+    } else if draw(frame, registers, materials, met, Meeting::First) {
         let (shape, bark) = match met.what {
-            What::Primitive(primitive, bark) => {
-                let shape = match primitive.hull() {
-                    Some(set) => {
-                        let rough = materials.rough(material).cloned();
-                        let detail = detail(set, &met.world_from_own, frame.projection());
-                        Shape::Hull { primitive: primitive.clone(), own_from_world, detail, rough }
-                    }
-                    None => Shape::Primitive(primitive.clone(), own_from_world),
-                };
-                (shape, bark)
-            }
-            What::Surface(surface, _) => (Shape::Surface(Arc::clone(surface), own_from_world), None),
-            What::Compound(compound) => (Shape::Compound(Arc::clone(compound), own_from_world), None),
+            What::Primitive(primitive, bark) => (Shape::Primitive(primitive.clone(), Box::new(own_from_world)), bark),
+            What::Surface(surface, _) => (Shape::Surface(Arc::clone(surface), Box::new(own_from_world)), None),
+            What::Compound(compound) => (Shape::Compound(Arc::clone(compound), Box::new(own_from_world)), None),
         };
-        let rind = bark.filter(|_| materials.is_on_stems(material)).map(|it| Box::new(it.rind));
-        frame.say(Piece { look: met.look, shape, rind });
+        frame.say(Piece { look: met.look, shape, rind: rind(bark, materials, material) });
     }
+}
+
+/// Where something is on a stem, if its look depends on that.
+fn rind(bark: Option<&Bark>, materials: &Materials, material: Option<MaterialId>) -> Option<Box<Rind>> {
+    bark.filter(|_| materials.is_on_stems(material)).map(|it| Box::new(it.rind))
+}
+
+/// A hull of which so much is seen.
+fn hull<'h>(
+    bounds: Aabb,
+    (set, detail): (&'h ConvexSet, Detail),
+    (world_from_own, own_from_world): (&'h DAffine3, &'h DAffine3),
+    rough: Option<&'h Arc<Rough>>,
+) -> Hull<'h> {
+    Hull { bounds, tips: set.tips(detail), shown: set.shown(detail), world_from_own, own_from_world, rough }
 }
 
 /// Draws what is met as the piece of the next number: solids where rays meet them so. Says whether any of it is seen.
@@ -55,9 +71,10 @@ pub(crate) fn draw(
     if let What::Primitive(primitive, _) = met.what
         && let Some(set) = primitive.hull()
     {
-        let shown = set.shown(detail(set, map, frame.projection()));
+        let own_from_world = map.inverse();
+        let detail = detail(set, &own_from_world, frame.projection());
         let rough = materials.rough(met.look.material);
-        let hull = Hull { bounds: primitive.bounds(), shown, world_from_own: map, rough };
+        let hull = hull(primitive.bounds(), (set, detail), (map, &own_from_world), rough);
         return hull::draw(frame, registers, hull, meeting);
     }
     match met.what {
@@ -81,11 +98,10 @@ pub(crate) fn draw(
 }
 
 /// How much is seen of a hull: as much as the ray tracer's beams see that are a pixel wide.
-fn detail(set: &ConvexSet, world_from_own: &DAffine3, projection: &Projection) -> Detail {
+fn detail(set: &ConvexSet, own_from_world: &DAffine3, projection: &Projection) -> Detail {
     if !set.has_levels() {
         return Detail::WHOLE;
     }
-    let own_from_world = world_from_own.inverse();
     let width = if projection.parallel {
         projection.pixel * own_from_world.transform_vector3(projection.forward).length()
     } else {

@@ -11,9 +11,11 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::compound::Compound;
+use super::mark::Mark;
 use super::outline::DOUBT;
 use super::projection::{self, Projection};
 use super::tour::Look;
+use crate::form::PrimitiveKind;
 use crate::geometry::{Detail, Plane, Primitive, Ray, Rind, Shown};
 use crate::mesh::Surface;
 use crate::picture::Rect;
@@ -33,10 +35,6 @@ pub(crate) struct Frame {
     marks: Vec<Mark>,
     pieces: Vec<Piece>,
 }
-
-/// The number of a piece, and that of a face of it: as wide as a depth, so that the two are written side by side.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Mark(pub(crate) u64);
 
 /// A surface that is drawn.
 #[derive(Clone, Debug)]
@@ -62,13 +60,6 @@ pub(crate) enum Shape {
     Compound(Arc<Compound>, Box<DAffine3>),
 }
 
-/// What is seen in a row of samples.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Line<'f> {
-    depths: &'f [f64],
-    marks: &'f [Mark],
-}
-
 /// One grid of a frame, to be drawn into.
 #[derive(Debug)]
 pub(crate) struct Grid<'f> {
@@ -92,24 +83,25 @@ impl Frame {
         let count = rect.width as usize * rect.height as usize * offsets.len();
         self.depths.clear();
         self.depths.resize(count, f64::INFINITY);
-        // Marks mean nothing where nothing is seen.
-        self.marks.resize(count, Mark::default());
+        self.marks.clear();
+        self.marks.resize(count, Mark::NOTHING);
         self.pieces.clear();
     }
 
     /// Its pixels, in the whole picture.
+    #[inline(always)]
     pub(crate) fn rect(&self) -> Rect {
         self.rect
     }
 
-    /// A row of its first grid.
-    pub(crate) fn line(&self, row: usize) -> Line<'_> {
-        let width = self.rect.width as usize;
-        let run = row * width..(row + 1) * width;
-        Line { depths: &self.depths[run.clone()], marks: &self.marks[run] }
+    /// The marks of all samples from a row of its first grid on.
+    #[inline(always)]
+    pub(crate) fn marks_from(&self, row: usize) -> &[Mark] {
+        &self.marks[row * self.rect.width as usize..]
     }
 
     /// What it is seen by.
+    #[inline(always)]
     pub(crate) fn projection(&self) -> &Projection {
         &self.projection
     }
@@ -148,6 +140,7 @@ impl Frame {
     }
 
     /// The depths of all samples, grid by grid and row by row.
+    #[inline(always)]
     pub(crate) fn depths(&self) -> &[f64] {
         &self.depths
     }
@@ -205,28 +198,6 @@ impl Frame {
     }
 }
 
-impl Mark {
-    pub(crate) fn new(piece: u32, face: u32) -> Self {
-        Self(u64::from(face) << 32 | u64::from(piece))
-    }
-
-    pub(crate) fn piece(self) -> u32 {
-        self.0 as u32
-    }
-
-    pub(crate) fn face(self) -> u32 {
-        (self.0 >> 32) as u32
-    }
-}
-
-impl Line<'_> {
-    /// What is seen at a sample; `None` if that is nothing.
-    #[inline(always)]
-    pub(crate) fn mark(&self, column: usize) -> Option<Mark> {
-        (self.depths[column] < f64::INFINITY).then(|| self.marks[column])
-    }
-}
-
 impl Grid<'_> {
     /// Draws a face of a piece at a sample, if it is nearer than what is there; says whether it is.
     #[inline]
@@ -263,8 +234,13 @@ impl Grid<'_> {
 impl Piece {
     /// The plane of a face, in its own frame, if it is flat.
     pub(crate) fn plane(&self, face: u32) -> Option<(Plane, &DAffine3)> {
-        let Shape::Hull { own_from_world, rough: None, .. } = &self.shape else { return None };
-        Some((self.shape.shown()?.plane(face as usize)?, own_from_world))
+        match &self.shape {
+            Shape::Primitive(primitive, own_from_world) => Some((primitive.plane(face)?, own_from_world)),
+            Shape::Hull { own_from_world, rough: None, .. } => {
+                Some((self.shape.shown()?.plane(face as usize)?, own_from_world))
+            }
+            Shape::Hull { .. } | Shape::Surface(..) | Shape::Compound(..) => None,
+        }
     }
 
     fn see(&self, t: f64, face: u32, beam: &Beam, seen: &mut Seen) {
@@ -302,7 +278,10 @@ pub(super) fn painted(position: DVec3, frame_from_world: &DAffine3) -> Painted {
 impl Shape {
     /// The numbers of its faces are less than this, if they are told apart.
     pub(crate) fn faces(&self) -> u32 {
-        self.shown().map_or(1, |it| it.count() as u32)
+        match self {
+            Self::Primitive(primitive, _) if primitive.kind() == PrimitiveKind::Box => 6,
+            _ => self.shown().map_or(1, |it| it.count() as u32),
+        }
     }
 
     /// What is seen of it, if it is a hull.
@@ -360,7 +339,7 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form::{Origin, PrimitiveKind};
+    use crate::form::Origin;
 
     #[test]
     fn pieces_that_are_hidden_are_forgotten_and_those_that_are_seen_stay() {

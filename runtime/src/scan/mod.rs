@@ -13,10 +13,12 @@ mod flatten;
 mod frame;
 mod hull;
 mod large;
+mod mark;
 mod materials;
 mod model;
 mod outline;
 mod projection;
+mod registers;
 mod shadow;
 mod solid;
 mod tour;
@@ -29,11 +31,12 @@ use crate::limits::Limits;
 use crate::mesh::{LeftOut, StemSurface};
 use crate::picture::Watch;
 
-pub(crate) use frame::{Frame, Mark, Piece};
-use hull::Registers;
+pub(crate) use frame::{Frame, Piece};
+pub(crate) use mark::Mark;
 use materials::Materials;
 use model::Model;
 pub(crate) use projection::{Fan, Linear, Projection};
+use registers::Registers;
 pub(crate) use shadow::{MapLook, Shadows};
 use tour::Tour;
 

@@ -15,6 +15,8 @@ pub(crate) enum Outline {
     Everywhere,
     /// It is seen between these corners; the edges around them are among these.
     Corners([DVec2; 8], &'static [(usize, usize)]),
+    /// It is seen between the least and the greatest coordinates.
+    Within(DVec2, DVec2),
 }
 
 /// The edges of a box, by the numbers of their corners: that of the number `x + 2 y + 4 z` has the greater coordinates where those are 1.
@@ -47,6 +49,17 @@ impl Outline {
         Self::Corners(corners, &BOX)
     }
 
+    /// A rectangle around points; `None` if there are none, or if some are not before the eye.
+    pub(crate) fn around(points: &[DVec3], world_from_own: &DAffine3, projection: &Projection) -> Option<Self> {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for point in points {
+            let at = projection.place(world_from_own.transform_point3(*point))?.at;
+            (low, high) = (low.min(at), high.max(at));
+        }
+        // Further out, they have no digits left for pixels.
+        (low.min(-high).min_element() > -1e9 && low.x <= high.x).then_some(Self::Within(low - DOUBT, high + DOUBT))
+    }
+
     /// That of a triangle.
     pub(crate) fn of_triangle([a, b, c]: [DVec2; 3]) -> Self {
         Self::Corners([a, b, c, a, a, a, a, a], &TRIANGLE)
@@ -54,7 +67,11 @@ impl Outline {
 
     /// The least and the greatest y.
     pub(crate) fn rows(&self) -> (f64, f64) {
-        let Self::Corners(corners, _) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
+        let corners = match self {
+            Self::Everywhere => return (f64::NEG_INFINITY, f64::INFINITY),
+            Self::Within(low, high) => return (low.y, high.y),
+            Self::Corners(corners, _) => corners,
+        };
         let (low, high) =
             corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it.y), high.max(it.y)));
         (low - DOUBT, high + DOUBT)
@@ -62,7 +79,7 @@ impl Outline {
 
     /// The least and the greatest x at this y; the least is the greater one if there is none.
     pub(crate) fn columns(&self, y: f64) -> (f64, f64) {
-        let Self::Corners(corners, edges) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
+        let Self::Corners(corners, edges) = self else { return self.columns_of_all() };
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (a, b) in *edges {
             let (a, b) = (corners[*a], corners[*b]);
@@ -92,7 +109,11 @@ impl Outline {
 
     /// The least and the greatest x.
     pub(crate) fn columns_of_all(&self) -> (f64, f64) {
-        let Self::Corners(corners, _) = self else { return (f64::NEG_INFINITY, f64::INFINITY) };
+        let corners = match self {
+            Self::Everywhere => return (f64::NEG_INFINITY, f64::INFINITY),
+            Self::Within(low, high) => return (low.x, high.x),
+            Self::Corners(corners, _) => corners,
+        };
         let (low, high) =
             corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it.x), high.max(it.x)));
         (low - DOUBT, high + DOUBT)
@@ -125,6 +146,7 @@ impl Grid<'_> {
 }
 
 /// The numbers of the samples that lie between two places, of `count` that stand one apart from `first` on.
+#[inline(always)]
 fn between((low, high): (f64, f64), first: f64, count: u32) -> Range<usize> {
     let most = f64::from(count);
     // No number is below, and what is no number becomes 0.

@@ -45,21 +45,6 @@ impl Projection {
         }
     }
 
-    /// How long the directions of the rays through places side by side are, which get on by 1 along the axis; 1 where they are parallel.
-    #[inline(always)]
-    pub(crate) fn lengths<const N: usize>(&self, at: DVec2) -> [f64; N] {
-        let mut lengths = [1.0; N];
-        if !self.parallel {
-            let (across, down) = ((at.x - self.middle.x) * self.pixel, (at.y - self.middle.y) * self.pixel);
-            let row = 1.0 + down * down;
-            for (lane, length) in lengths.iter_mut().enumerate() {
-                let across = across + lane as f64 * self.pixel;
-                *length = (row + across * across).sqrt();
-            }
-        }
-        lengths
-    }
-
     /// Of a parallel projection: the map from the world to places, whose third coordinate is the depth.
     pub(crate) fn place_from_world(&self) -> DAffine3 {
         let rows = DMat3::from_cols(self.right / self.pixel, -self.up / self.pixel, self.forward).transpose();
@@ -153,11 +138,13 @@ impl PlaneSeen {
     }
 
     /// More than 0 if it is seen from behind, less if from in front, 0 if edge-on.
+    #[inline(always)]
     pub(crate) fn side(&self) -> f64 {
         if self.parallel { self.speed } else { self.distance }
     }
 
     /// How near it is met: 1/t where rays spread, -t where they are parallel. What one divides by is the same for all rays.
+    #[inline(always)]
     pub(crate) fn nearness(&self) -> Linear {
         let Self { distance, speed, right, below, .. } = *self;
         if self.parallel {
@@ -185,11 +172,19 @@ pub(crate) struct Fan {
 
 impl Fan {
     /// By how much rays change a pixel to the right, and a pixel down: in origin if they are parallel, else in direction.
+    #[inline(always)]
     pub(crate) fn steps(&self) -> [DVec3; 2] {
         [self.across, self.down]
     }
 
+    /// The same rays, from elsewhere.
+    pub(crate) fn moved(self, way: DVec3) -> Self {
+        let Ray { origin, direction } = self.corner;
+        Self { corner: Ray { origin: origin + way, direction }, ..self }
+    }
+
     /// Whether all rays are parallel.
+    #[inline(always)]
     pub(crate) fn is_parallel(&self) -> bool {
         self.parallel
     }
@@ -223,7 +218,7 @@ impl Fan {
     }
 
     /// The ray through a place in the picture.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn ray(&self, at: DVec2) -> Ray {
         let moved = self.across * at.x + self.down * at.y;
         let Ray { origin, direction } = self.corner;

@@ -14,10 +14,10 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::frame::Frame;
-use super::hull::Registers;
 use super::large::Large;
 use super::model::Model;
 use super::projection::{Fan, Place, Projection};
+use super::registers::Registers;
 use super::solid::Meeting;
 use super::tour::Tour;
 use super::{Scanner, draw};

@@ -2,13 +2,14 @@
 //! it is seen from farther away (FG86, sections 3 and 4).
 //!
 //! **Law.** Each cell of a level is the mean of the eight below it, so every level has the mean of the whole, and what is looked up
-//! with a wider footprint comes nearer to it. A cube of side n takes n³ bytes, and 16/7 n³ for the coarser levels: 53 MiB for the
+//! with a wider footprint comes nearer to it. A cube of side n takes about n³ bytes, and 16/7 n³ for the coarser levels: 53 MiB for the
 //! largest, of side 256.
 
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, DVec4};
 
+use super::cells::{Cells, Level, Texel};
 use super::{Footprint, Tone};
 use crate::eval::uniform;
 use crate::form::Chunks;
@@ -32,28 +33,21 @@ pub(super) struct LazyCube {
 }
 
 /// A cube of cells with its pyramid.
+///
+/// Cells stand row by row along x. Behind the last one of a row stands its first one again, so that neighbours are always side by side.
 #[derive(Debug)]
-struct Cube {
+pub(super) struct Cube {
     /// How many cells are on a side: a power of two.
-    side: usize,
+    pub(super) side: usize,
     /// Cells a metre.
     scale: f64,
     /// What the numbers of cells stand for. The first is for cells without a chunk.
-    palette: Vec<Texel>,
-    /// The finest cells, x first.
-    finest: Vec<u8>,
+    pub(super) palette: Vec<Texel>,
+    /// The finest cells.
+    pub(super) finest: Vec<u8>,
     /// Coarser cells, level by level, each of half as many a side as the one before.
-    coarse: Vec<Texel>,
-    /// Where the cells of each of these levels begin.
-    starts: Vec<usize>,
+    pub(super) coarse: Vec<Vec<Texel>>,
 }
-
-/// Red, green and blue, linear and times the cover, and the cover.
-pub(crate) type Texel = [f32; 4];
-
-/// A cube at work: cells that can be looked up.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cells<'c>(&'c Cube);
 
 /// Brightness of linear light, as eyes have it.
 const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
@@ -93,7 +87,7 @@ impl LazyCube {
     /// The brightness at a point alone, at its finest.
     pub(super) fn value_at(&self, point: DVec3) -> f64 {
         let cube = self.cube();
-        brightness(cube.between_cells(0, point * cube.scale))
+        brightness(Cells(cube).between(0, point * cube.scale))
     }
 
     /// The brightness at a point, and how it grows.
@@ -125,45 +119,17 @@ fn brightness(texel: Texel) -> f64 {
     of_texel(texel).color.dot(BRIGHTNESS)
 }
 
-/// `a` and `b` mixed, with so much of `b`.
-#[inline(always)]
-fn mixed(a: Texel, b: Texel, part: f32) -> Texel {
-    let mut mixed = a;
-    for channel in 0..4 {
-        mixed[channel] += (b[channel] - a[channel]) * part;
-    }
-    mixed
-}
-
-impl Cells<'_> {
-    /// What is seen at a place, in cells, through a tent so many cells wide.
-    #[inline]
-    pub(crate) fn at(self, place: DVec3, width: f64) -> Texel {
-        let level = self.0.level(width);
-        self.0.at(place, level)
-    }
-}
-
-/// A level of a cube, and how much of the next coarser one is seen with it.
-#[derive(Clone, Copy, Debug)]
-struct Level {
-    fine: usize,
-    coarse: f32,
-}
-
 impl Cube {
     fn new(chunks: &Chunks, seed: u64) -> Self {
         let side = chunks.cube as usize;
         let color = |it: &[f64; 3]| linear(DVec3::from_array(*it)).extend(1.0).as_vec4().to_array();
         let palette: Vec<Texel> = std::iter::once([0.0; 4]).chain(chunks.colors.iter().map(color)).collect();
-        let finest = finest(chunks, seed);
-        let mut cube =
-            Self { side, scale: side as f64 / chunks.size, palette, finest, coarse: Vec::new(), starts: Vec::new() };
+        let finest = closed(&finest(chunks, seed), side);
+        let mut cube = Self { side, scale: side as f64 / chunks.size, palette, finest, coarse: Vec::new() };
         let mut half = side / 2;
         while half > 0 {
             let level = cube.coarser(half);
-            cube.starts.push(cube.coarse.len());
-            cube.coarse.extend(level);
+            cube.coarse.push(closed(&level, half));
             half /= 2;
         }
         cube
@@ -190,19 +156,18 @@ impl Cube {
     }
 
     /// A cell of a level, the finest being 0.
-    #[inline(always)]
     fn texel(&self, level: usize, [x, y, z]: [usize; 3]) -> Texel {
         let side = self.side >> level;
-        let index = (z * side + y) * side + x;
+        let index = (z * side + y) * (side + 1) + x;
         match level.checked_sub(1) {
             None => self.palette[usize::from(self.finest[index])],
-            Some(coarse) => self.coarse[self.starts[coarse] + index],
+            Some(coarse) => self.coarse[coarse][index],
         }
     }
 
     /// How many levels there are besides the finest.
-    fn levels(&self) -> usize {
-        self.starts.len()
+    pub(super) fn levels(&self) -> usize {
+        self.coarse.len()
     }
 
     /// How wide a footprint is, in cells: they are seen through a tent, which has half their width as its deviation.
@@ -211,97 +176,19 @@ impl Cube {
     }
 
     /// The level whose cells are as wide as a footprint. Between two levels, as much is seen of each as the width is nearer to its cells.
-    #[inline(always)]
     fn level(&self, width: f64) -> Level {
-        let most = self.levels();
-        if width.is_nan() {
-            return Level { fine: most, coarse: 0.0 };
-        }
-        // The exponent and the digits of a number between two powers of two are its logarithm, but for the curve between them.
-        let bits = width.max(1.0).to_bits();
-        let (fine, rest) = ((bits >> 52) as usize - 1023, bits & ((1 << 52) - 1));
-        if fine >= most {
-            return Level { fine: most, coarse: 0.0 };
-        }
-        Level { fine, coarse: (rest as f64 / (1_u64 << 52) as f64) as f32 }
+        Level::new(width, self.levels())
     }
 
     /// What is seen at a place, in cells: between the cells of two levels.
-    #[inline(always)]
-    fn at(&self, place: DVec3, Level { fine, coarse }: Level) -> Texel {
-        let texel = self.between_cells(fine, place);
-        if coarse == 0.0 {
-            return texel;
-        }
-        mixed(texel, self.between_cells(fine + 1, place), coarse)
-    }
-
-    /// What lies between the middles of eight cells.
-    #[inline(always)]
-    fn between_cells(&self, level: usize, place: DVec3) -> Texel {
-        let eight = Eight::new(self.side >> level, place * SHRINKING[level]);
-        match level.checked_sub(1).map(|it| self.starts[it]) {
-            None => eight.mixed(|it| self.palette[usize::from(self.finest[it])]),
-            Some(start) => eight.mixed(|it| self.coarse[start + it]),
-        }
+    fn at(&self, place: DVec3, level: Level) -> Texel {
+        Cells(self).at(place, level)
     }
 }
 
-/// Eight cells of a level around a place.
-struct Eight {
-    /// The numbers of the four to the left, and by how much those to the right are greater.
-    cells: [usize; 4],
-    right: usize,
-    /// How far along each axis the place is between them.
-    part: [f32; 3],
-}
-
-impl Eight {
-    /// Those around a place in a cube of so many cells a side, a power of two.
-    #[inline(always)]
-    fn new(side: usize, place: DVec3) -> Self {
-        let last = side - 1;
-        let ((x, part_x), (y, part_y), (z, part_z)) = (split(place.x), split(place.y), split(place.z));
-        let (x, y, z) = (x & last, y & last, z & last);
-        let (back, above) = (((y + 1) & last) * side, ((z + 1) & last) * side * side);
-        let (y, z) = (y * side, z * side * side);
-        // It may be less.
-        let right = ((x + 1) & last).wrapping_sub(x);
-        Self {
-            cells: [z + y + x, z + back + x, above + y + x, above + back + x],
-            right,
-            part: [part_x, part_y, part_z],
-        }
-    }
-
-    /// What lies between them.
-    #[inline(always)]
-    fn mixed(&self, texel: impl Fn(usize) -> Texel) -> Texel {
-        let [x, y, z] = self.part;
-        let [a, b, c, d] = self.cells;
-        let a = mixed(texel(a), texel(a.wrapping_add(self.right)), x);
-        let b = mixed(texel(b), texel(b.wrapping_add(self.right)), x);
-        let c = mixed(texel(c), texel(c.wrapping_add(self.right)), x);
-        let d = mixed(texel(d), texel(d.wrapping_add(self.right)), x);
-        mixed(mixed(a, b, y), mixed(c, d, y), z)
-    }
-}
-
-/// By how much lengths shrink from the finest cells to those of each level.
-const SHRINKING: [f64; 9] =
-    [1.0, 1.0 / 2.0, 1.0 / 4.0, 1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
-
-/// Between which middles of cells a place along an axis lies: the number of the lower one, of which the last bits are right, and how far from
-/// there to the next. What is beyond all digits has no place.
-#[inline(always)]
-fn split(place: f64) -> (usize, f32) {
-    /// Numbers of this size have no digits behind the point, and the whole number stands in their last bits.
-    const WHOLE: f64 = (3_u64 << 51) as f64;
-    // A middle lies half a cell in. The nearest number to what is another half less is the one below; just in a middle it may be the one before,
-    // and the part is 1.
-    let shifted = (place - 1.0) + WHOLE;
-    let low = shifted - WHOLE;
-    (shifted.to_bits() as usize, ((place - 0.5) - low) as f32)
+/// The cells of a level, with the first one of each row again at its end.
+fn closed<T: Copy>(cells: &[T], side: usize) -> Vec<T> {
+    cells.chunks_exact(side).flat_map(|row| row.iter().chain(row.first())).copied().collect()
 }
 
 /// The finest cells: blocks of random places and sizes, laid one over the other.

@@ -4,6 +4,7 @@
 //! them. What is finer than the footprint fades away and leaves its mean, so a texture neither flickers nor changes its tone where
 //! it is seen from far away.
 
+mod cells;
 mod cube;
 mod decode;
 mod fbm;
@@ -21,7 +22,7 @@ use self::tiles::Tiles;
 use crate::eval::mix;
 use crate::form::{Pattern, Texture};
 
-pub(crate) use cube::Cells;
+pub(crate) use cells::{Cells, Looks};
 pub use cube::Tint;
 pub use decode::{BadPicture, decode_png};
 pub use footprint::Footprint;

@@ -1,97 +1,67 @@
-//! Facets: flat faces with a matt paint, and all that their points have in common.
+//! Facets: flat faces with a coat, and all that their points have in common.
 
-use glam::{DAffine3, DVec2, DVec3, Vec3};
-use smallvec::SmallVec;
+use std::ops::Range;
 
+use glam::DVec2;
+
+use super::coat::Coat;
 use super::shown;
-use crate::form::Space;
-use crate::picture::paint::{Paint, Shade};
 use crate::picture::tile::Setting;
-use crate::scan::{Fan, Linear, MapLook, Piece, Projection, Shadows};
+use crate::scan::{Linear, MapLook, Piece, Projection, Shadows};
 
-/// How many pixels are painted at once.
+/// How many pixels are lit at once.
 pub(super) const LANES: usize = 8;
 
 /// A flat face that is seen.
 #[derive(Clone, Debug)]
 pub(super) struct Facet {
+    /// What the sky throws on it.
+    pub(super) light: [f32; 4],
+    /// How wide beams are on it: see [`Cloth::girth`](super::coat::Cloth::girth). 0 if it has no texture.
+    pub(super) girth: f32,
     /// 1/t where rays spread, -t where they are parallel.
     nearness: Linear,
-    /// Its colour, and what the sky throws on it.
-    pub(super) own: Vec3,
-    pub(super) light: Vec3,
-    textured: Option<Textured>,
-    suns: SmallVec<[Sunny; 2]>,
-    hazy: bool,
-    paint: Option<crate::form::MaterialId>,
+    /// Which suns it faces, by their places among all that are known.
+    suns: Range<u32>,
 }
 
-/// A facet with cells of a solid texture.
+/// A sun that a facet faces.
 #[derive(Clone, Debug)]
-struct Textured {
-    /// In cells of the texture.
-    fan: Fan,
-    /// The square of a beam's width in cells: this many times the cube of its length, or only this many where rays are parallel.
-    widening: f64,
-    amount: f32,
-    projection: Projection,
-}
-
-/// A facet that faces a sun.
-#[derive(Clone, Debug)]
-struct Sunny {
+pub(super) struct Sunny {
     number: usize,
-    color: Vec3,
+    color: [f32; 4],
     look: Option<MapLook>,
 }
 
 impl Facet {
-    /// What is known of a face of a piece; `None` if it takes more than is done here.
+    /// What is known of a face of a piece, of which the suns it faces are added to those that are known; `None` if it takes more than is done
+    /// here.
     pub(super) fn new(
-        piece: &Piece,
-        face: u32,
+        (piece, face): (&Piece, u32),
+        coat: &Coat,
         projection: &Projection,
         setting: &Setting<'_>,
         shadows: &Shadows,
+        known: &mut Vec<Sunny>,
     ) -> Option<Self> {
         let (plane, own_from_world) = piece.plane(face)?;
-        let paint = setting.shader.paint(piece.look.material);
-        if !paint.is_matt() {
-            return None;
-        }
-        let fan = projection.fan(own_from_world);
-        let nearness = Linear::of_plane(&plane, &fan)?;
+        let nearness = Linear::of_plane(&plane, &coat.fan)?;
         let steep = own_from_world.matrix3.transpose() * plane.normal;
         let normal = steep.normalize();
         if !normal.is_finite() {
             return None;
         }
-        let distance = (plane.offset - plane.normal.dot(fan.ray(DVec2::ZERO).origin)) / steep.length();
-        let textured = match &paint.shade {
-            Some(shade) => Some(Textured::new(shade, piece, normal, distance, projection, setting)?),
-            None => None,
-        };
-        let sky = setting.shader.sky();
+        let distance = (plane.offset - plane.normal.dot(coat.fan.ray(DVec2::ZERO).origin)) / steep.length();
+        let girth = coat.cloth.as_ref().map_or(0.0, |it| it.girth(normal, distance, projection, setting));
         let suns = setting.shader.suns().iter().enumerate().filter(|it| normal.dot(it.1.toward) > 0.0);
-        let suns = suns.map(|(number, sun)| Sunny {
+        let first = known.len() as u32;
+        known.extend(suns.map(|(number, sun)| Sunny {
             number,
-            color: (sun.color * normal.dot(sun.toward)).as_vec3(),
+            color: (sun.color * normal.dot(sun.toward)).as_vec3().extend(0.0).to_array(),
             look: shadows.looking(sun.toward, normal, projection),
-        });
-        Some(Self {
-            nearness,
-            own: paint.color(piece.look.route).as_vec3(),
-            light: sky.on(normal).as_vec3(),
-            textured,
-            suns: suns.collect(),
-            hazy: setting.shader.haze() > 0.0,
-            paint: piece.look.material,
-        })
-    }
-
-    /// Whether all of it has one colour.
-    pub(super) fn is_even(&self) -> bool {
-        self.textured.is_none() && self.suns.is_empty() && !self.hazy
+        }));
+        let light = setting.shader.sky().on(normal).as_vec3().extend(1.0).to_array();
+        Some(Self { light, girth, nearness, suns: first..known.len() as u32 })
     }
 
     /// How many suns it faces.
@@ -99,23 +69,27 @@ impl Facet {
         self.suns.len()
     }
 
-    /// Paints at most eight pixels side by side, of which the first has its middle here.
+    /// Lights at most eight pixels of these colours side by side, of which the first has its middle here.
     #[inline(always)]
-    pub(super) fn paint(&self, at: DVec2, setting: &Setting<'_>, shadows: &Shadows, colors: &mut [[f32; 4]]) {
+    pub(super) fn light(
+        &self,
+        at: DVec2,
+        own: &[[f32; 4]],
+        known: &[Sunny],
+        setting: &Setting<'_>,
+        shadows: &Shadows,
+        colors: &mut [[f32; 4]],
+    ) {
         let depths = self.depths(at, setting);
-        let mut own = [self.own; LANES];
-        if let Some(textured) = &self.textured {
-            textured.tint(at, &depths, setting.shader.paint(self.paint), &mut own, colors.len());
-        }
         let mut light = [self.light; LANES];
-        for sunny in &self.suns {
+        for sunny in &known[self.suns.start as usize..self.suns.end as usize] {
             sunny.shine(at, &depths, setting, shadows, &mut light, colors.len());
         }
-        for ((color, own), light) in colors.iter_mut().zip(&own).zip(&light) {
-            *color = shown(*own * *light);
+        for (lane, color) in colors.iter_mut().enumerate() {
+            *color = shown(own[lane], light[lane]);
         }
-        if self.hazy {
-            self.fade(at, &depths, setting, colors);
+        if setting.shader.haze() > 0.0 {
+            fade(at, &depths, setting, colors);
         }
     }
 
@@ -131,61 +105,20 @@ impl Facet {
         }
         depths
     }
-
-    /// Adds the air in front of it.
-    fn fade(&self, at: DVec2, depths: &[f64; LANES], setting: &Setting<'_>, colors: &mut [[f32; 4]]) {
-        for (lane, (color, depth)) in colors.iter_mut().zip(depths).enumerate() {
-            let beam = setting.rays.through(at.x + lane as f64, at.y);
-            let direction = beam.ray.direction;
-            let distance = depth / direction.dot(setting.rays.forward());
-            let left = libm::exp(-setting.shader.haze() * distance) as f32;
-            let air = setting.shader.sky().air(direction).as_vec3();
-            let [red, green, blue, _] = *color;
-            *color = shown(air + (Vec3::new(red, green, blue) - air) * left);
-        }
-    }
 }
 
-impl Textured {
-    /// `None` if it is another kind of texture, or if it is not known where the paint stands.
-    fn new(
-        Shade { pattern, amount }: &Shade,
-        piece: &Piece,
-        normal: DVec3,
-        distance: f64,
-        projection: &Projection,
-        setting: &Setting<'_>,
-    ) -> Option<Self> {
-        let (_, cells_from_paint) = pattern.field.cells()?;
-        let paint_from_world = match pattern.space {
-            Space::World => DAffine3::IDENTITY,
-            Space::Object | Space::Stem => piece.look.world_from_paint?.inverse(),
-        };
-        let cells_from_world = cells_from_paint * paint_from_world;
-        let map = cells_from_world.matrix3;
-        // How much larger a piece of the surface is in cells, the square of what lengths on it are on an average.
-        let larger = (map.inverse().transpose() * normal).length() * map.determinant().abs();
-        let girth = setting.rays.girth();
-        let slant = if projection.parallel { normal.dot(projection.forward) } else { distance };
-        let widening = girth * girth * larger / slant.abs();
-        Some(Self { fan: projection.fan(&cells_from_world), widening, amount: *amount as f32, projection: *projection })
-    }
-
-    /// Gives pixels the colours of the cells.
-    #[inline(always)]
-    fn tint(&self, at: DVec2, depths: &[f64; LANES], paint: &Paint, own: &mut [Vec3; LANES], count: usize) {
-        let Some((cells, _)) = paint.shade.as_ref().and_then(|it| it.pattern.field.cells()) else { return };
-        let [xs, ys, zs] = self.fan.points(at, depths);
-        let lengths: [f64; LANES] = self.projection.lengths(at);
-        let mut widths = [0.0; LANES];
-        for lane in 0..LANES {
-            let length = if self.projection.parallel { 1.0 } else { depths[lane] * lengths[lane] };
-            widths[lane] = (self.widening * (length * length * length)).sqrt();
+/// Adds the air in front of pixels.
+fn fade(at: DVec2, depths: &[f64; LANES], setting: &Setting<'_>, colors: &mut [[f32; 4]]) {
+    for (lane, (color, depth)) in colors.iter_mut().zip(depths).enumerate() {
+        let beam = setting.rays.through(at.x + lane as f64, at.y);
+        let direction = beam.ray.direction;
+        let distance = depth / direction.dot(setting.rays.forward());
+        let left = libm::exp(-setting.shader.haze() * distance) as f32;
+        let air = setting.shader.sky().air(direction).as_vec3().extend(1.0).to_array();
+        for channel in 0..4 {
+            color[channel] = air[channel] + (color[channel] - air[channel]) * left;
         }
-        for lane in 0..count {
-            let [red, green, blue, cover] = cells.at(DVec3::new(xs[lane], ys[lane], zs[lane]), widths[lane]);
-            own[lane] = own[lane] * (1.0 - cover * self.amount) + Vec3::new(red, green, blue) * self.amount;
-        }
+        *color = shown(*color, [1.0; 4]);
     }
 }
 
@@ -198,7 +131,7 @@ impl Sunny {
         depths: &[f64; LANES],
         setting: &Setting<'_>,
         shadows: &Shadows,
-        light: &mut [Vec3; LANES],
+        light: &mut [[f32; 4]; LANES],
         count: usize,
     ) {
         let mut lit = [1.0; LANES];
@@ -216,8 +149,10 @@ impl Sunny {
                 }
             }
         }
-        for (light, lit) in light.iter_mut().zip(&lit) {
-            *light += self.color * *lit;
+        for (lane, light) in light.iter_mut().enumerate() {
+            for (channel, light) in light.iter_mut().enumerate() {
+                *light += self.color[channel] * lit[lane];
+            }
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Tiles: the pixels of a small square, from rays to colours.
 
+mod plainly;
+
 use glam::DVec2;
 
 use super::camera::Rays;
 use super::pixel::{Hit, Pixel, Spread};
-use super::plain::Plain;
+use super::plain::{Plain, Rows};
 use super::shade::{Key, Scratch, Shader};
 use super::view::View;
 use super::{RayCounts, Rect, Watch};
@@ -35,9 +37,15 @@ pub(super) struct Setting<'a> {
 
 impl<'a> Setting<'a> {
     /// Who draws, if all pixels have one sample.
-    fn plain(&self) -> Option<(&'a Scanner, &'a Shadows)> {
+    pub(super) fn plain(&self) -> Option<(&'a Scanner, &'a Shadows)> {
         let View { most, heatmap, .. } = *self.view;
         self.scanner.filter(|_| most == 1 && !heatmap)
+    }
+
+    /// How wide and high tiles are. Those that are drawn and shaded line by line are wide: memory takes long lines sooner than short ones.
+    pub(super) fn tile(&self) -> (u32, u32) {
+        let side = self.view.tile;
+        if self.plain().is_some() { (side.saturating_mul(4), side.div_ceil(2)) } else { (side, side) }
     }
 }
 
@@ -45,8 +53,8 @@ impl<'a> Setting<'a> {
 pub(super) enum Painted<'p> {
     /// Its pixels, in no order, and what the rays through their centres met if that was asked.
     Pixels(&'p [Pixel], &'p [Option<Hit>]),
-    /// The colours of all its pixels, row by row, and the same if that was asked.
-    Rows(&'p [[f32; 4]], &'p [Pixel], &'p [Option<Hit>]),
+    /// The colours of all its pixels, row by row, if they were not put where they belong, and the same if that was asked.
+    Rows(Option<&'p [[f32; 4]]>, &'p [Pixel], &'p [Option<Hit>]),
 }
 
 /// Why a tile did not come to its end.
@@ -114,18 +122,28 @@ impl<'a> Painter<'a> {
         RayCounts { reflected: scratch.reflected_count, shadow, ..*counts }
     }
 
-    /// Makes the pixels of a rectangle, in no order, and finds what the rays through their centres met if that is asked.
+    /// Makes the pixels of a rectangle, in no order, and finds what the rays through their centres met if that is asked. Those that have
+    /// one sample are put into rows, if these are given.
     ///
     /// # Errors
     /// The fault of the rectangle's lowest pixel that meets one; or the watch's wish.
-    pub(super) fn paint(&mut self, rect: &Rect) -> Result<Painted<'_>, Stop> {
-        let order = std::mem::take(&mut self.desk.order);
-        let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
-        let result = self.run(*rect, inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)));
-        self.desk.order = order;
+    pub(super) fn paint(&mut self, rect: &Rect, rows: Option<Rows<'_>>) -> Result<Painted<'_>, Stop> {
+        let is_put = rows.is_some();
+        let result = if self.setting.plain().is_some() {
+            let columns = rect.x..rect.x + rect.width;
+            let places = (rect.y..rect.y + rect.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
+            self.run(*rect, places, rows)
+        } else {
+            let order = std::mem::take(&mut self.desk.order);
+            let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
+            let result = self.run(*rect, inside.map(|(dx, dy)| (rect.x + dx, rect.y + dy)), None);
+            self.desk.order = order;
+            result
+        };
         match result {
             Ok(()) if self.setting.plain().is_some() => {
-                Ok(Painted::Rows(&self.desk.plain.colors, &self.desk.pixels, &self.desk.centres))
+                let colors = Some(&*self.desk.plain.colors).filter(|_| !is_put);
+                Ok(Painted::Rows(colors, &self.desk.pixels, &self.desk.centres))
             }
             Ok(()) => Ok(Painted::Pixels(&self.desk.pixels, &self.desk.centres)),
             Err(Stop::Interrupted) => Err(Stop::Interrupted),
@@ -138,7 +156,7 @@ impl<'a> Painter<'a> {
         for y in rect.y..rect.y + rect.height {
             for x in rect.x..rect.x + rect.width {
                 let pixel = Rect { x, y, width: 1, height: 1 };
-                if let Err(stop) = self.run(pixel, std::iter::once((x, y))) {
+                if let Err(stop) = self.run(pixel, std::iter::once((x, y)), None) {
                     return stop;
                 }
             }
@@ -146,10 +164,18 @@ impl<'a> Painter<'a> {
         Stop::Fault(known, fault)
     }
 
-    fn run(&mut self, rect: Rect, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
+    fn run(
+        &mut self,
+        rect: Rect,
+        places: impl Iterator<Item = (u32, u32)>,
+        rows: Option<Rows<'_>>,
+    ) -> Result<(), Stop> {
         if let Some((_, shadows)) = self.setting.plain() {
             self.desk.centres.clear();
-            self.run_plain(rect, shadows)?;
+            match rows {
+                Some(mut rows) => self.run_plain(rect, shadows, &mut rows)?,
+                None => self.run_plain_apart(rect, shadows)?,
+            }
             return self.keep_plain_centres(places);
         }
         self.desk.pixels.clear();
@@ -180,48 +206,6 @@ impl<'a> Painter<'a> {
             self.desk.active.retain(|slot| spreads[*slot as usize].needs_more(base));
             done = until;
             until = until.saturating_mul(2).min(most);
-        }
-        Ok(())
-    }
-
-    /// Draws and shades a rectangle that has one sample a pixel; what is not shaded plainly goes the way of all others.
-    fn run_plain(&mut self, rect: Rect, shadows: &Shadows) -> Result<(), Stop> {
-        self.draw(rect, 0, &[DVec2::ZERO])?;
-        let Desk { frame, plain, counts, .. } = &mut self.desk;
-        plain.shadow_count = 0;
-        plain.shade(frame, &self.setting, shadows);
-        let others = std::mem::take(&mut plain.others);
-        counts.camera += u64::from(rect.width) * u64::from(rect.height) - others.len() as u64;
-        counts.shadow += plain.shadow_count;
-        self.begin_batch();
-        for batch in others.chunks(BATCH) {
-            self.desk.pixels.clear();
-            for (slot, (column, row)) in batch.iter().enumerate() {
-                self.desk.pixels.push(Pixel::new((rect.x + column, rect.y + row)));
-                self.add_ray(slot as u32, 0, DVec2::ZERO);
-            }
-            self.flush()?;
-            let Desk { pixels, plain, .. } = &mut self.desk;
-            for (pixel, (column, row)) in pixels.iter().zip(batch) {
-                plain.colors[*row as usize * rect.width as usize + *column as usize] = pixel.color();
-            }
-        }
-        self.desk.plain.others = others;
-        Ok(())
-    }
-
-    /// Finds what the layers show of what was drawn and shaded plainly.
-    fn keep_plain_centres(&mut self, places: impl Iterator<Item = (u32, u32)>) -> Result<(), Stop> {
-        self.desk.pixels.clear();
-        self.desk.active.clear();
-        if self.setting.view.layers {
-            self.desk.pixels.extend(places.map(Pixel::new));
-            self.desk.active.extend(0..self.desk.pixels.len() as u32);
-            self.desk.centres.resize(self.desk.pixels.len(), None);
-            let counts = self.desk.counts;
-            self.look_through_centres()?;
-            // These samples were counted when they were shaded.
-            self.desk.counts = counts;
         }
         Ok(())
     }

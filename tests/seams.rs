@@ -1,4 +1,5 @@
-//! Terrain has no cracks: triangles that share an edge are found apart from each other, and no ray gets through between them.
+//! Where surfaces meet. Terrain has no cracks: triangles that share an edge are found apart from each other, and no ray gets through between
+//! them. Of surfaces at one place the first written is seen.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on has failed")]
 
@@ -7,6 +8,7 @@ mod common;
 use common::scene;
 use glam::DVec3;
 use treegen_runtime::Limits;
+use treegen_runtime::form::Origin;
 use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::{Beam, Seen, Tracer};
@@ -51,5 +53,33 @@ fn carpenters_terrain_of_order_8_has_no_crack() {
             format!("{systems}\nscene {{ camera {{ eye: (.5, .5, -4), target: (.5, .5, 0), up: (0, 1, 0) }} {show} }}");
         let rays = from_below();
         assert_eq!(lost(&program, &rays), 0, "of {} rays, rough {rough}", rays.len());
+    }
+}
+
+/// What rays from a distance see of a slanted box with a dent, in the place of which there is another box.
+fn flush_faces(dented_first: bool, distance: f64, culling: Culling) -> Vec<Option<Origin>> {
+    let stand = "move(.31, .17, .05) rotz(17) rotx(31)";
+    let dented = format!("show {stand} (box \\ move(0, 0, 1) uscale(.2) sphere);");
+    let whole = format!("show {stand} box;");
+    let [first, second] = if dented_first { [&dented, &whole] } else { [&whole, &dented] };
+    let scene = scene(&format!("scene {{ {first} {second} }}"));
+    let tracer = CellTracer::new(&scene, &Limits::default(), culling).unwrap();
+    let from = DVec3::new(0.3, -0.5, 0.8) * distance;
+    let toward =
+        |number: u32| DVec3::new(f64::from(number % 40) / 20.0 - 1.0, f64::from(number / 40) / 20.0 - 1.0, 0.2);
+    let beam = |number| Beam::thin(Ray { origin: from, direction: (toward(number) - from).normalize() });
+    let mut seen = Seen::default();
+    tracer.look(&(0..1600).map(beam).collect::<Vec<_>>(), &mut seen).unwrap();
+    seen.rays().map(|it| it.first().map(|it| it.origin)).collect()
+}
+
+#[test]
+fn of_a_boolean_and_what_lies_flush_with_it_the_first_written_is_seen() {
+    for distance in [3.0, 70.0, 9e3, 1e7] {
+        for dented_first in [true, false] {
+            let all = flush_faces(dented_first, distance, Culling::None);
+            assert!(all.iter().flatten().count() > 400, "at {distance}");
+            assert_eq!(flush_faces(dented_first, distance, Culling::State), all, "at {distance}, {dented_first}");
+        }
     }
 }

@@ -156,3 +156,20 @@ pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
     // The division keeps squares of very long and very short vectors in range.
     (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beams_made_together_are_those_made_one_by_one() {
+        for lens in [Lens::Perspective(38.0), Lens::Orthographic(3.0)] {
+            let eye = DVec3::new(1.1, 0.7, 4.2);
+            let rays = Rays::new(&Camera { eye, target: DVec3::ZERO, up: DVec3::Z, lens }, 512, 300, 1.0);
+            let points: Vec<DVec2> = (0..29).map(|it| DVec2::new(f64::from(it) * 17.3, f64::from(it) * 9.7)).collect();
+            let mut beams = Vec::new();
+            rays.through_all(&points, &mut beams);
+            assert_eq!(beams, points.iter().map(|it| rays.through(it.x, it.y)).collect::<Vec<_>>());
+        }
+    }
+}

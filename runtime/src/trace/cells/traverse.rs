@@ -109,6 +109,10 @@ pub(super) fn f32_above(x: f64) -> f32 {
     (x + x.abs() * SINGLE + f64::from(f32::MIN_POSITIVE)) as f32
 }
 
+/// How far beyond what is of interest Booleans are asked, in the cell's frame, where boxes are grown as much: what is met just where something
+/// else was met is of interest, and places on a ray are rounded.
+const ROOM: f64 = 1.0 / 524_288.0;
+
 /// More than a number of single precision is off by rounding, in parts of itself.
 pub(super) const SINGLE: f64 = 1.0 / 8_388_608.0;
 
@@ -408,7 +412,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let place = Place::new(cell, passage);
         let range = if self.tracing.cull {
             let last = if ask.question == Question::Nearest { ask.best } else { f64::INFINITY };
-            (place.ray.own(0.0), place.ray.own(last))
+            (place.ray.own(0.0) - ROOM, place.ray.own(last) + ROOM)
         } else {
             (f64::NEG_INFINITY, f64::INFINITY)
         };

@@ -28,7 +28,7 @@ use super::outline::Outline;
 use super::projection::Fan;
 use super::registers::{LANES, Met, NO_PLANE, Registers};
 use super::solid::Meeting;
-use crate::geometry::{Aabb, Shown};
+use crate::geometry::{Primitive, Shown};
 use crate::lanes::{EIGHT, Kernel, Task, dispatch, negative16, select16};
 use crate::texture::Rough;
 
@@ -38,7 +38,7 @@ const WIDE: f64 = 64.0;
 /// A hull where it is in the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Hull<'h> {
-    pub(crate) bounds: Aabb,
+    pub(crate) primitive: &'h Primitive,
     /// The corners of what is seen, or of something around it; none if there are many.
     pub(crate) tips: &'h [DVec3],
     /// What is seen of it.
@@ -51,12 +51,15 @@ pub(crate) struct Hull<'h> {
 
 /// Draws a hull where it is met so, as the piece of the next number; says whether any of it is seen.
 pub(crate) fn draw(frame: &mut Frame, registers: &mut Registers, hull: Hull<'_>, meeting: Meeting) -> bool {
+    let within = Outline::around(hull.tips, hull.world_from_own, frame.projection());
+    if within.is_some_and(|it| (0..frame.grids()).all(|number| it.misses(&frame.grid(number)))) {
+        return false;
+    }
     let projection = frame.projection();
     let fan = projection.fan(hull.own_from_world);
-    let within = Outline::around(hull.tips, hull.world_from_own, projection);
     let outline = match &within {
         Some(within) if within.width() <= WIDE => *within,
-        _ => Outline::new(&hull.bounds, hull.world_from_own, projection),
+        _ => Outline::new(&hull.primitive.bounds(), hull.world_from_own, projection),
     };
     registers.sort(&hull.shown, &fan);
     dispatch(Drawing { frame, registers, hull, within: within.unwrap_or(outline), outline, fan, meeting })

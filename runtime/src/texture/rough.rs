@@ -8,10 +8,11 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::{Field, Footprint};
 use crate::form::{Fbm, Material, MaterialId, Pattern, Texture};
-use crate::geometry::{Chord, Crossing, Ray, Shown};
+use crate::geometry::{Chord, Crossing, Plane, Ray, Shown};
 
 /// How a surface is carved.
 #[derive(Clone, Debug)]
@@ -24,6 +25,19 @@ pub(crate) struct Rough {
 /// How the surfaces of all materials are carved.
 #[derive(Clone, Debug)]
 pub(crate) struct Roughs(Vec<Option<Arc<Rough>>>);
+
+/// A line on its way through a set, and the planes that it comes near to.
+struct Rind<'l> {
+    line: &'l Ray,
+    planes: SmallVec<[Near; 12]>,
+}
+
+/// A plane that a line comes near to: its face, how far behind it the line is where it begins, and by how much less a t further on.
+struct Near {
+    face: u32,
+    depth: f64,
+    speed: f64,
+}
 
 /// Sizes of noise: the largest lumps are about three times as wide as they are deep.
 const OCTAVES: u32 = 3;
@@ -46,6 +60,50 @@ impl Roughs {
     }
 }
 
+impl<'l> Rind<'l> {
+    /// The planes to which a line comes nearer than this between two places: behind all others it is deeper all the way.
+    fn new(set: &Shown<'_>, line: &'l Ray, ends: [f64; 2], depth: f64) -> Self {
+        let near = |(face, Plane { normal, offset }): (usize, Plane)| Near {
+            face: face as u32,
+            depth: offset - normal.dot(line.origin),
+            speed: normal.dot(line.direction),
+        };
+        let planes = set.all().enumerate().map(near);
+        Self { line, planes: planes.filter(|it| ends.iter().any(|t| it.below(*t) < depth)).collect() }
+    }
+
+    /// The part between two places that lies at least so deep.
+    fn core(&self, [mut near, mut far]: [f64; 2], depth: f64) -> Option<[f64; 2]> {
+        for plane in &self.planes {
+            let end = (plane.depth - depth) / plane.speed;
+            if plane.speed > 0.0 {
+                far = far.min(end);
+            } else if plane.speed < 0.0 {
+                near = near.max(end);
+            } else if plane.depth < depth {
+                return None;
+            }
+        }
+        (near <= far).then_some([near, far])
+    }
+
+    /// How deep a place lies.
+    fn depth(&self, t: f64) -> f64 {
+        self.planes.iter().map(|it| it.below(t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The face that a place is nearest to, if it is near to any.
+    fn face(&self, t: f64) -> Option<u32> {
+        self.planes.iter().min_by(|a, b| a.below(t).total_cmp(&b.below(t))).map(|it| it.face)
+    }
+}
+
+impl Near {
+    fn below(&self, t: f64) -> f64 {
+        self.depth - self.speed * t
+    }
+}
+
 impl Rough {
     /// `None` if nothing is carved away.
     fn new(depth: f64, seed: u64) -> Option<Self> {
@@ -63,28 +121,28 @@ impl Rough {
         if !(near.is_finite() && far.is_finite()) {
             return Some(chord);
         }
+        let rind = Rind::new(set, line, [near, far], self.depth);
         // What is deeper than anything is carved: there the search ends at the latest.
-        let core = set.inset_chord(line, self.depth).map(|it| (it.near.t.clamp(near, far), it.far.t.clamp(near, far)));
-        let (near, far) = match core {
-            Some((first, last)) => {
-                (self.entry(set, line, near, first).unwrap_or(first), self.entry(set, line, far, last).unwrap_or(last))
+        let (near, far) = match rind.core([near, far], self.depth) {
+            Some([first, last]) => {
+                (self.entry(&rind, near, first).unwrap_or(first), self.entry(&rind, far, last).unwrap_or(last))
             }
-            None => (self.entry(set, line, near, far)?, self.entry(set, line, far, near)?),
+            None => (self.entry(&rind, near, far)?, self.entry(&rind, far, near)?),
         };
-        let crossing = |t: f64| Crossing { t, face: set.nearest_face(line.at(t)) };
+        let crossing = |t: f64| Crossing { t, face: rind.face(t).unwrap_or_else(|| set.nearest_face(line.at(t))) };
         (near < far).then(|| Chord { near: crossing(near), far: crossing(far) })
     }
 
     /// Where a line on its way from a place on the set's surface to another first comes to a point of the carved solid.
-    fn entry(&self, set: &Shown<'_>, line: &Ray, from: f64, to: f64) -> Option<f64> {
-        let length = (to - from).abs() * line.direction.length();
+    fn entry(&self, rind: &Rind<'_>, from: f64, to: f64) -> Option<f64> {
+        let length = (to - from).abs() * rind.line.direction.length();
         let steps = (length / self.depth * STEPS_A_DEPTH).ceil().clamp(1.0, MOST_STEPS);
         let at = |number: u32| from + (to - from) * (f64::from(number) / steps);
-        let first = (1..=steps as u32).find(|it| self.holds(set, line.at(at(*it))))?;
+        let first = (1..=steps as u32).find(|it| self.holds(rind, at(*it)))?;
         let (mut outside, mut inside) = (at(first - 1), at(first));
         for _ in 0..HALVINGS {
             let middle = outside * 0.5 + inside * 0.5;
-            if self.holds(set, line.at(middle)) {
+            if self.holds(rind, middle) {
                 inside = middle;
             } else {
                 outside = middle;
@@ -93,11 +151,11 @@ impl Rough {
         Some(inside)
     }
 
-    /// Whether a point belongs to the carved solid.
-    fn holds(&self, set: &Shown<'_>, point: DVec3) -> bool {
-        let below = set.depth(point);
+    /// Whether a point of a line belongs to the carved solid.
+    fn holds(&self, rind: &Rind<'_>, t: f64) -> bool {
+        let below = rind.depth(t);
         // So deep down nothing is carved away.
-        below >= self.depth || below >= self.depth * self.noise.at(point, &Footprint::POINT).value.clamp(0.0, 1.0)
+        below >= self.depth || below >= 0.0 && self.noise.is_at_most(below / self.depth, rind.line.at(t))
     }
 
     /// The normal of the carved surface at a point, where it is that of a plane otherwise.

@@ -1,9 +1,9 @@
 //! Solid textures that are computed beforehand: a cube of coloured cells that tiles space, with ever coarser ones in front of which
 //! it is seen from farther away (FG86, sections 3 and 4).
 //!
-//! **Law.** Each cell of a level is the mean of the eight below it, so every level has the mean of the whole, and what is looked up
-//! with a wider footprint comes nearer to it. A cube of side n takes about n³ bytes, and 16/7 n³ for the coarser levels: 53 MiB for the
-//! largest, of side 256.
+//! **Law.** Each cell of a level is the mean of the eight below it, to one part in 2^16, so every level has the mean of the whole, and what is
+//! looked up with a wider footprint comes nearer to it. A cube of side n takes about 2 n³ bytes, and 32/7 n³ for the coarser levels, whose cells
+//! stand beside their neighbours: 105 MiB for the largest, of side 256.
 
 use std::sync::{Arc, OnceLock};
 
@@ -145,15 +145,17 @@ impl Cube {
             coarse: Vec::new(),
             firsts: [0; SIXTEEN],
         };
-        let mut level: Vec<Texel> = cells.iter().map(|it| in_units(&palette[usize::from(*it)])).collect();
+        let finest = |cell: usize| in_units(&palette[usize::from(cells[cell])]);
         if side == 1 {
             // The finest is the coarsest, and is there as well.
-            cube.coarse = columns(&level, 1);
+            cube.coarse = columns(&[finest(0)], 1);
         }
+        let mut level = Vec::new();
         for number in 1..=cube.levels() {
-            level = coarser(&level, side >> number);
+            let half = side >> number;
+            level = if number == 1 { coarser(half, finest) } else { coarser(half, |cell| level[cell]) };
             cube.firsts[number] = cube.coarse.len() as u32;
-            cube.coarse.extend(columns(&level, side >> number));
+            cube.coarse.extend(columns(&level, half));
         }
         cube
     }
@@ -200,8 +202,8 @@ impl Cube {
     }
 }
 
-/// The cells of the level that comes after another one, of so many cells a side.
-fn coarser(below: &[Texel], side: usize) -> Vec<Texel> {
+/// The cells of a level of so many a side, if those of the one before it are these.
+fn coarser(side: usize, below: impl Fn(usize) -> Texel) -> Vec<Texel> {
     let mut level = Vec::with_capacity(side * side * side);
     for z in 0..side {
         for y in 0..side {
@@ -209,7 +211,7 @@ fn coarser(below: &[Texel], side: usize) -> Vec<Texel> {
                 let mut sum = DVec4::ZERO;
                 for corner in 0..8 {
                     let at = |low: usize, bit: usize| 2 * low + (corner >> bit & 1);
-                    let texel = below[(at(z, 2) * 2 * side + at(y, 1)) * 2 * side + at(x, 0)];
+                    let texel = below((at(z, 2) * 2 * side + at(y, 1)) * 2 * side + at(x, 0));
                     sum += DVec4::from_array(texel.map(f64::from));
                 }
                 level.push((sum * 0.125).as_vec4().to_array());

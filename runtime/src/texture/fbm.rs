@@ -63,11 +63,11 @@ impl Octaves {
         let mut rest: f64 = self.0.iter().map(|it| it.amplitude * MOST).sum();
         let mut value = MEAN;
         for octave in &self.0 {
-            value += octave.amplitude * noise_value(octave.seed, point * octave.frequency + octave.shift);
-            rest -= octave.amplitude * MOST;
             if (value - height).abs() > rest + 1e-9 {
                 break;
             }
+            value += octave.amplitude * noise_value(octave.seed, point * octave.frequency + octave.shift);
+            rest -= octave.amplitude * MOST;
         }
         value <= height
     }

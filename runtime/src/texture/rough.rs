@@ -117,20 +117,37 @@ impl Rough {
 
     /// What is left of the piece of a line inside a set: from where it first comes into the carved solid to where it last goes out.
     pub(crate) fn left(&self, set: &Shown<'_>, line: &Ray, chord: Chord) -> Option<Chord> {
+        let (near, far) = self.ends(set, line, chord, |_| false)?;
+        Some(Chord { near, far: far? })
+    }
+
+    /// The ends of that, but not where it goes out if it is enough to know at which t it comes in.
+    pub(crate) fn ends(
+        &self,
+        set: &Shown<'_>,
+        line: &Ray,
+        chord: Chord,
+        is_enough: impl Fn(f64) -> bool,
+    ) -> Option<(Crossing, Option<Crossing>)> {
         let (near, far) = (chord.near.t, chord.far.t);
         if !(near.is_finite() && far.is_finite()) {
-            return Some(chord);
+            return Some((chord.near, Some(chord.far)));
         }
         let rind = Rind::new(set, line, [near, far], self.depth);
         // What is deeper than anything is carved: there the search ends at the latest.
-        let (near, far) = match rind.core([near, far], self.depth) {
-            Some([first, last]) => {
-                (self.entry(&rind, near, first).unwrap_or(first), self.entry(&rind, far, last).unwrap_or(last))
-            }
-            None => (self.entry(&rind, near, far)?, self.entry(&rind, far, near)?),
+        let [first, last] = match rind.core([near, far], self.depth) {
+            Some([first, last]) => [(first, Some(first)), (last, Some(last))],
+            None => [(far, None), (near, None)],
         };
+        let enter = |from: f64, (to, otherwise): (f64, Option<f64>)| self.entry(&rind, from, to).or(otherwise);
         let crossing = |t: f64| Crossing { t, face: rind.face(t).unwrap_or_else(|| set.nearest_face(line.at(t))) };
-        (near < far).then(|| Chord { near: crossing(near), far: crossing(far) })
+        let entered = enter(near, first)?;
+        if is_enough(entered) {
+            return Some((crossing(entered), None));
+        }
+        // What is thinner than steps tell apart is still there.
+        let least = entered + 1e-12 * (far - near);
+        Some((crossing(entered), Some(crossing(enter(far, last)?.max(least)))))
     }
 
     /// Where a line on its way from a place on the set's surface to another first comes to a point of the carved solid.

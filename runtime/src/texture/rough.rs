@@ -182,3 +182,52 @@ impl Rough {
         (plane + slope * self.depth).normalize()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ConvexSet;
+
+    /// A cube with its corners cut.
+    fn set() -> ConvexSet {
+        let sides = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|it| [(it, 1.0), (-it, 1.0)]);
+        let sign = |bits: u32, bit: u32| if bits >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        let corners = (0..8).map(|it| (DVec3::new(sign(it, 0), sign(it, 1), sign(it, 2)), 2.2));
+        let numbers: Vec<f64> = sides.chain(corners).flat_map(|(n, d)| [n.x, n.y, n.z, d]).collect();
+        ConvexSet::new(&numbers).expect("these are planes")
+    }
+
+    #[test]
+    fn what_is_left_begins_and_ends_where_points_belong_to_it_and_not_before() {
+        let (set, depth) = (set(), 0.4);
+        let rough = Rough::new(depth, 11).expect("something is carved away");
+        // By the book: all planes, and all of the noise.
+        let holds =
+            |point: DVec3| set.whole().depth(point) >= depth * rough.noise.height(super::super::Laid::Flat, point);
+        let (mut left, mut gone) = (0, 0);
+        for number in (0..4_000u32).map(f64::from) {
+            let target = DVec3::new(libm::sin(number), libm::sin(1.7 * number), libm::sin(2.3 * number));
+            let from = DVec3::new(libm::cos(0.9 * number), libm::cos(2.1 * number), libm::sin(3.1 * number)) * 4.0;
+            let line = Ray { origin: from, direction: target - from };
+            let Some(chord) = set.whole().chord(&line, None) else { continue };
+            let ends = rough.ends(&set.whole(), &line, chord, |_| true);
+            let Some(Chord { near, far }) = rough.left(&set.whole(), &line, chord) else {
+                assert_eq!(ends, None);
+                gone += 1;
+                continue;
+            };
+            assert_eq!(ends, Some((near, None)));
+            assert!(chord.near.t <= near.t && near.t < far.t && far.t <= chord.far.t + 1e-9);
+            // Far less than the smallest lump is wide.
+            let hair = 1e-3 / line.direction.length();
+            for (t, way) in [(near.t, 1.0), (far.t, -1.0)] {
+                assert!((0..3).any(|it| holds(line.at(t + way * hair * f64::from(it)))), "{number}: {t}");
+                let before = t - 2.0 * way * hair;
+                assert!(before < chord.near.t || before > chord.far.t || !holds(line.at(before)), "{number}: {t}");
+            }
+            assert_eq!(near.face, set.whole().nearest_face(line.at(near.t)));
+            left += 1;
+        }
+        assert!(left > 1_500 && gone > 50, "{left} {gone}");
+    }
+}

@@ -168,9 +168,9 @@ impl Kernel for V3 {
     #[inline(always)]
     fn spread<const PLACE: usize>(self, numbers: f32x16) -> f32x16 {
         let mut halves: [f32x8; 2] = cast(numbers);
-        for half in 0..2 {
-            let numbers = cast(halves[half]);
-            halves[half] = cast(match PLACE {
+        for half in &mut halves {
+            let numbers = cast(*half);
+            *half = cast(match PLACE {
                 0 => self.avx._mm256_permute_ps::<0>(numbers),
                 1 => self.avx._mm256_permute_ps::<0x55>(numbers),
                 2 => self.avx._mm256_permute_ps::<0xaa>(numbers),

@@ -121,6 +121,16 @@ impl Meeting {
     }
 }
 
+/// Sixteen samples of a line that have been scanned.
+struct Sixteen {
+    row: usize,
+    /// The column of the first one, in the whole picture.
+    first: u32,
+    met: Met,
+    /// Which of them are inside, a bit each.
+    inside: u32,
+}
+
 /// What stays the same from line to line.
 struct Drawer<'d> {
     piece: u32,
@@ -155,7 +165,7 @@ impl Drawer<'_> {
             if inside != 0 {
                 inside = registers
                     .within_edges(inside, DVec2::new(f64::from(first), f64::from(grid.rect.y) + row as f64) + origin);
-                is_seen |= self.merge(kernel, registers, grid, (row, first), &met, inside);
+                is_seen |= self.merge(kernel, registers, grid, &Sixteen { row, first, met, inside });
             } else if was_inside {
                 // A convex set is met in one run.
                 break;
@@ -168,28 +178,21 @@ impl Drawer<'_> {
 
     /// Merges sixteen samples with what is in the frame, those of the bits that are set.
     #[inline(always)]
-    fn merge<K: Kernel>(
-        &self,
-        kernel: K,
-        registers: &Registers,
-        grid: &mut Grid<'_>,
-        (row, first): (usize, u32),
-        met: &Met,
-        inside: u32,
-    ) -> bool {
+    fn merge<K: Kernel>(&self, kernel: K, registers: &Registers, grid: &mut Grid<'_>, sixteen: &Sixteen) -> bool {
         if self.meeting == Meeting::First && self.hull.rough.is_none() {
-            return self.merge_first(kernel, registers, grid, (row, first), met, inside);
+            return self.merge_first(kernel, registers, grid, sixteen);
         }
+        let Sixteen { row, first, met, inside } = sixteen;
         let front_planes: [u32; LANES] = pulp::cast(met.front_planes);
         let back_planes: [u32; LANES] = pulp::cast(registers.back_planes(kernel));
         let mut is_seen = false;
-        let mut left = inside;
+        let mut left = *inside;
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
             let column = (first + lane as u32 - grid.rect.x) as usize;
             let planes = [front_planes[lane], back_planes[lane]].map(|it| Some(it).filter(|it| *it != NO_PLANE));
-            is_seen |= self.put(grid, (column, row), planes);
+            is_seen |= self.put(grid, (column, *row), planes);
         }
         is_seen
     }
@@ -201,9 +204,7 @@ impl Drawer<'_> {
         kernel: K,
         registers: &Registers,
         grid: &mut Grid<'_>,
-        (row, first): (usize, u32),
-        met: &Met,
-        inside: u32,
+        &Sixteen { row, first, ref met, inside }: &Sixteen,
     ) -> bool {
         let lanes = kernel.lanes();
         let nothing = lanes.splat_f32s(0.0);

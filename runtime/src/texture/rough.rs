@@ -94,7 +94,8 @@ impl<'l> Rind<'l> {
 
     /// The face that a place is nearest to, if it is near to any.
     fn face(&self, t: f64) -> Option<u32> {
-        self.planes.iter().min_by(|a, b| a.below(t).total_cmp(&b.below(t))).map(|it| it.face)
+        // Of two that are as near the last one, as where all planes are asked.
+        self.planes.iter().rev().min_by(|a, b| a.below(t).total_cmp(&b.below(t))).map(|it| it.face)
     }
 }
 

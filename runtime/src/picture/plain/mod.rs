@@ -7,6 +7,7 @@
 //!
 //! **Law.** Whether a pixel is shaded here, and how, follows from what is seen there, so a picture does not depend on what else is in its tile.
 
+mod alike;
 mod coat;
 mod facet;
 mod sky;
@@ -15,11 +16,12 @@ use std::ops::Range;
 
 use glam::DVec2;
 
+use self::alike::{alike, end_of_run};
 use self::coat::{Cloth, Coat};
 use self::facet::{Facet, Sunny};
 use self::sky::SkyLine;
 use super::tile::Setting;
-use crate::lanes::{EIGHT, Kernel, SIXTEEN, Singles, Task, dispatch};
+use crate::lanes::{Kernel, SIXTEEN, Singles, Task, dispatch};
 use crate::scan::{Frame, Mark, Shadows};
 use crate::texture::LookRoom;
 
@@ -346,42 +348,6 @@ impl Shading<'_, '_> {
         }
         slots[number]
     }
-}
-
-/// Which of the first sixteen marks are the same as one, in these bits. Those that are not there are not.
-#[inline(always)]
-fn alike<K: Kernel>(kernel: K, marks: &[Mark], mark: Mark, bits: u64) -> u32 {
-    let Some(sixteen) = marks.first_chunk::<SIXTEEN>() else {
-        return marks
-            .iter()
-            .enumerate()
-            .fold(0, |all, (lane, it)| all | u32::from((it.0 ^ mark.0) & bits == 0) << lane);
-    };
-    let (eights, _) = sixteen.as_chunks();
-    alike_eight(kernel, &eights[0], mark, bits) | alike_eight(kernel, &eights[1], mark, bits) << EIGHT
-}
-
-/// Which of eight are.
-#[inline(always)]
-fn alike_eight<K: Kernel>(kernel: K, marks: &[Mark; EIGHT], mark: Mark, bits: u64) -> u32 {
-    use pulp::Simd;
-    let lanes = kernel.lanes();
-    let (masks, wanted) = (lanes.splat_u64s(bits), lanes.splat_u64s(mark.0 & bits));
-    kernel.bits(lanes.equal_u64s(lanes.and_u64s(pulp::cast(Mark::numbers(marks)), masks), wanted))
-}
-
-/// How many marks at the beginning are the same as one.
-#[inline(always)]
-fn end_of_run<K: Kernel>(kernel: K, marks: &[Mark], mark: Mark) -> usize {
-    let mut end = 0;
-    while let Some(eight) = marks[end..].first_chunk::<EIGHT>() {
-        let same = alike_eight(kernel, eight, mark, u64::MAX).trailing_ones() as usize;
-        end += same;
-        if same < EIGHT {
-            return end;
-        }
-    }
-    marks[end..].iter().position(|it| *it != mark).map_or(marks.len(), |it| end + it)
 }
 
 /// An opaque surface of a colour in some light, as pictures hold it.

@@ -50,6 +50,19 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// The last one of each four numbers, four times.
     fn lasts(self, numbers: f32x16) -> f32x16;
 
+    /// Eight times eight numbers with columns for rows.
+    #[inline(always)]
+    fn transposed(self, rows: [f64x8; EIGHT]) -> [f64x8; EIGHT] {
+        let rows: [[f64; EIGHT]; EIGHT] = pulp::cast(rows);
+        let mut columns = [[0.0; EIGHT]; EIGHT];
+        for row in 0..EIGHT {
+            for column in 0..EIGHT {
+                columns[column][row] = rows[row][column];
+            }
+        }
+        pulp::cast(columns)
+    }
+
     /// Does something in code compiled for this SIMD, if all that it calls is inlined.
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R;
 }
@@ -196,7 +209,7 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use pulp::{Simd, cast, f32x8, f32x16, f64x4, f64x8};
 
-    use super::{EACH, EACH16, Kernel};
+    use super::{EACH, EACH16, EIGHT, Kernel};
 
     impl Kernel for V4 {
         type Lanes = Self;
@@ -250,6 +263,38 @@ mod x86 {
         #[inline(always)]
         fn lasts(self, numbers: f32x16) -> f32x16 {
             cast(self.avx512f._mm512_permute_ps::<0xff>(cast(numbers)))
+        }
+
+        #[inline(always)]
+        fn transposed(self, rows: [f64x8; EIGHT]) -> [f64x8; EIGHT] {
+            // No `map`: what it calls is not always inlined, and is slow where it is not.
+            let simd = self.avx512f;
+            let [a, b, c, d, e, f, g, h] = rows;
+            let [a, b, c, d] = [cast(a), cast(b), cast(c), cast(d)];
+            let [e, f, g, h] = [cast(e), cast(f), cast(g), cast(h)];
+            // Every other column of four rows, each next to the column that comes four later.
+            let (ab, cd) = (simd._mm512_unpacklo_pd(a, b), simd._mm512_unpacklo_pd(c, d));
+            let (ef, gh) = (simd._mm512_unpacklo_pd(e, f), simd._mm512_unpacklo_pd(g, h));
+            let (first, first_below) =
+                (simd._mm512_shuffle_f64x2::<0x88>(ab, cd), simd._mm512_shuffle_f64x2::<0x88>(ef, gh));
+            let (third, third_below) =
+                (simd._mm512_shuffle_f64x2::<0xdd>(ab, cd), simd._mm512_shuffle_f64x2::<0xdd>(ef, gh));
+            let (ab, cd) = (simd._mm512_unpackhi_pd(a, b), simd._mm512_unpackhi_pd(c, d));
+            let (ef, gh) = (simd._mm512_unpackhi_pd(e, f), simd._mm512_unpackhi_pd(g, h));
+            let (second, second_below) =
+                (simd._mm512_shuffle_f64x2::<0x88>(ab, cd), simd._mm512_shuffle_f64x2::<0x88>(ef, gh));
+            let (fourth, fourth_below) =
+                (simd._mm512_shuffle_f64x2::<0xdd>(ab, cd), simd._mm512_shuffle_f64x2::<0xdd>(ef, gh));
+            [
+                cast(simd._mm512_shuffle_f64x2::<0x88>(first, first_below)),
+                cast(simd._mm512_shuffle_f64x2::<0x88>(second, second_below)),
+                cast(simd._mm512_shuffle_f64x2::<0x88>(third, third_below)),
+                cast(simd._mm512_shuffle_f64x2::<0x88>(fourth, fourth_below)),
+                cast(simd._mm512_shuffle_f64x2::<0xdd>(first, first_below)),
+                cast(simd._mm512_shuffle_f64x2::<0xdd>(second, second_below)),
+                cast(simd._mm512_shuffle_f64x2::<0xdd>(third, third_below)),
+                cast(simd._mm512_shuffle_f64x2::<0xdd>(fourth, fourth_below)),
+            ]
         }
 
         #[inline(always)]

@@ -114,6 +114,9 @@ fn as_many_chunks_cover_as_much_as_chance_leaves() {
     assert_eq!(tint(&none, DVec3::splat(0.3), 0.0), Tint { color: DVec3::ZERO, cover: 0.0 });
 }
 
+/// Coarser cells are kept to one part in 2^16: they are half of that beside their means at most.
+const COARSE: f64 = 0.51 / 65_535.0;
+
 #[test]
 fn every_level_of_the_pyramid_keeps_the_mean() {
     let chunks = chunks();
@@ -125,10 +128,10 @@ fn every_level_of_the_pyramid_keeps_the_mean() {
     for width in [0.5, 1.0, 1.4, 2.0, 3.0, 4.0, 8.0, 11.0, 16.0, 32.0, 1000.0] {
         let found = mean(cells(&chunks).into_iter().map(|it| tint(&field, it, width * cell))).0;
         let apart = found.iter().zip(whole).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(apart < 1e-6, "{width}: {found:?} for {whole:?}");
+        assert!(apart < COARSE, "{width}: {found:?} for {whole:?}");
     }
     let far = tint(&field, DVec3::splat(0.7), 1e6);
-    assert!((far.color - mean_tint.color).length() < 1e-12 && (far.cover - whole[3]).abs() < 1e-6);
+    assert!((far.color - mean_tint.color).length() < 1e-12 && (far.cover - whole[3]).abs() < COARSE);
     // So does brightness, which bumps take.
     let tone = field.at(DVec3::splat(0.7), &Footprint::new(DVec3::NEG_Z, 1e6, DVec3::Z));
     assert!((tone.value - field.mean()).abs() < 1e-9 && tone.slope.length() < 1e-9);

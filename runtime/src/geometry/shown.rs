@@ -45,15 +45,6 @@ impl Shown<'_> {
         clip.chord()
     }
 
-    /// The piece of a line that lies at least so far behind all planes.
-    pub(crate) fn inset_chord(&self, ray: &Ray, depth: f64) -> Option<Chord> {
-        let mut clip = Clip::ALL;
-        for Plane { normal, offset } in self.all() {
-            clip = clip.cut(0, offset - depth - normal.dot(ray.origin), normal.dot(ray.direction), None)?;
-        }
-        clip.chord()
-    }
-
     /// The outward normal of a face.
     pub(crate) fn normal(&self, face: u32) -> DVec3 {
         self.plane(face as usize).map_or(DVec3::Z, |it| it.normal)

@@ -30,6 +30,14 @@ impl<K: Kernel> Singles<K> {
         Self { kernel, value: kernel.lanes().splat_f32s(value) }
     }
 
+    /// The first whole numbers.
+    #[inline(always)]
+    pub(crate) fn first(kernel: K) -> Self {
+        const FIRST: [f32; SIXTEEN] =
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+        Self::of(kernel, FIRST)
+    }
+
     /// A number a lane.
     #[inline(always)]
     pub(crate) fn of(kernel: K, numbers: [f32; SIXTEEN]) -> Self {
@@ -42,22 +50,54 @@ impl<K: Kernel> Singles<K> {
         Self { kernel, value: pulp::cast(numbers) }
     }
 
-    /// Four times the same four numbers.
+    /// Twice two times four numbers.
     #[inline(always)]
-    pub(crate) fn of_four(kernel: K, numbers: [f32; 4]) -> Self {
-        Self::of_fours(kernel, [numbers; 4])
+    pub(crate) fn of_pairs(kernel: K, low: &[[f32; 4]; 2], high: &[[f32; 4]; 2]) -> Self {
+        Self { kernel, value: pulp::cast([*low, *high]) }
     }
 
-    /// The four numbers of a quarter, each of them four times.
+    /// Four times four small whole numbers.
     #[inline(always)]
-    pub(crate) fn spread(self, quarter: usize) -> Self {
-        Self { value: self.kernel.spread(self.value, quarter), ..self }
+    pub(crate) fn of_small(kernel: K, numbers: &[[u16; 4]; 4]) -> Self {
+        Self { kernel, value: kernel.of_small(pulp::cast(*numbers)) }
     }
 
-    /// The last one of each four numbers, four times.
+    /// Of each four numbers the one at a place, four times.
     #[inline(always)]
-    pub(crate) fn lasts(self) -> Self {
-        Self { value: self.kernel.lasts(self.value), ..self }
+    pub(crate) fn spread<const PLACE: usize>(self) -> Self {
+        Self { value: self.kernel.spread::<PLACE>(self.value), ..self }
+    }
+
+    /// The numbers of this table that stand at some places, of which only the last four bits count.
+    #[inline(always)]
+    pub(crate) fn pick(self, places: Wholes<K>) -> Self {
+        Self { value: self.kernel.pick(self.value, places.value), ..self }
+    }
+
+    /// Turns a square of four by four groups of four numbers.
+    #[inline(always)]
+    pub(crate) fn turn_groups(rows: [Self; 4]) -> [Self; 4] {
+        let [a, b, c, d] = rows;
+        let [first, second, third, fourth] = a.kernel.turn_groups([a.value, b.value, c.value, d.value]);
+        [
+            Self { value: first, ..a },
+            Self { value: second, ..a },
+            Self { value: third, ..a },
+            Self { value: fourth, ..a },
+        ]
+    }
+
+    /// Turns squares of four by four numbers.
+    #[inline(always)]
+    pub(crate) fn turn_numbers(rows: [Self; 4]) -> [Self; 4] {
+        let [a, b, c, d] = rows;
+        let [first, second, third, fourth] = a.kernel.turn_numbers([a.value, b.value, c.value, d.value]);
+        [
+            Self { value: first, ..a },
+            Self { value: second, ..a },
+            Self { value: third, ..a },
+            Self { value: fourth, ..a },
+        ]
     }
 
     /// The same with other numbers in the lanes of these bits.
@@ -104,6 +144,11 @@ impl<K: Kernel> Singles<K> {
     }
 
     #[inline(always)]
+    pub(crate) fn to_array(self) -> [f32; SIXTEEN] {
+        pulp::cast(self.value)
+    }
+
+    #[inline(always)]
     pub(crate) fn to_fours(self) -> [[f32; 4]; 4] {
         pulp::cast(self.value)
     }
@@ -114,6 +159,12 @@ impl<K: Kernel> Wholes<K> {
     #[inline(always)]
     pub(crate) fn splat(kernel: K, value: u32) -> Self {
         Self { kernel, value: kernel.lanes().splat_u32s(value) }
+    }
+
+    /// A number a lane.
+    #[inline(always)]
+    pub(crate) fn of(kernel: K, numbers: [u32; SIXTEEN]) -> Self {
+        Self { kernel, value: pulp::cast(numbers) }
     }
 
     /// Another number in all lanes.
@@ -172,14 +223,28 @@ mod tests {
     fn moved<K: Kernel>(kernel: K) -> Vec<[u32; SIXTEEN]> {
         let numbers: [f32; SIXTEEN] = std::array::from_fn(|it| 1.0 / (it as f32 - 3.5));
         let singles = Singles::of_fours(kernel, pulp::cast(numbers));
-        let mut all =
-            vec![singles.lasts().bits().to_array(), singles.with(0x8421, (singles * singles).sqrt()).bits().to_array()];
-        for quarter in 0..4 {
-            let spread = singles.spread(quarter).bits().to_array();
-            assert!((0..SIXTEEN).all(|it| spread[it] == numbers[4 * quarter + it / 4].to_bits()));
+        let mut all = vec![singles.with(0x8421, (singles * singles).sqrt()).bits().to_array()];
+        let spread = [singles.spread::<0>(), singles.spread::<1>(), singles.spread::<2>(), singles.spread::<3>()];
+        for (place, spread) in spread.iter().enumerate() {
+            let spread = spread.bits().to_array();
+            assert!((0..SIXTEEN).all(|it| spread[it] == numbers[it / 4 * 4 + place].to_bits()));
             all.push(spread);
         }
-        assert!((0..SIXTEEN).all(|it| all[0][it] == numbers[it | 3].to_bits()));
+        let places: [u32; SIXTEEN] = std::array::from_fn(|it| (7 * it as u32 + 3) << 28 | (it as u32 * 11 + 5));
+        let picked = singles.pick(Wholes { kernel, value: pulp::cast(places) }).bits().to_array();
+        assert!((0..SIXTEEN).all(|it| picked[it] == numbers[(places[it] % 16) as usize].to_bits()));
+        all.push(picked);
+        assert_eq!(Singles::first(kernel).to_array(), std::array::from_fn(|it| it as f32));
+        let small: [u16; SIXTEEN] = std::array::from_fn(|it| (it * 4369) as u16);
+        assert_eq!(Singles::of_small(kernel, &pulp::cast(small)).to_array(), small.map(f32::from));
+        let rows = [singles, singles * singles, singles + singles, singles - singles.all(2.0)];
+        let old = rows.map(Singles::to_fours);
+        let [groups, turned] =
+            [Singles::turn_groups(rows), Singles::turn_numbers(rows)].map(|it| it.map(Singles::to_fours));
+        for (i, j, k) in (0..64).map(|it| (it / 16, it / 4 % 4, it % 4)) {
+            assert_eq!(groups[i][j], old[j][i]);
+            assert_eq!(turned[i][k][j], old[j][k][i]);
+        }
         let doubles: [f64; SIXTEEN] = pulp::cast(kernel.widen(singles.value));
         assert_eq!(doubles, numbers.map(f64::from));
         all.push(Singles::rounded(kernel, &doubles.map(|it| it + 1e-12)).bits().to_array());

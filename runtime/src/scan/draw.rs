@@ -15,7 +15,7 @@ use super::solid::{self, Meeting};
 use super::tour::{Met, What};
 use super::triangle::{self, Seeing};
 use crate::form::{MaterialId, PrimitiveKind};
-use crate::geometry::{Aabb, ConvexSet, Detail, Rind};
+use crate::geometry::{Aabb, ConvexSet, Detail, Primitive, Rind};
 use crate::mesh::Surface;
 use crate::texture::Rough;
 use crate::trace::Bark;
@@ -28,7 +28,7 @@ pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Mat
         && let Some(set) = primitive.hull()
     {
         let (rough, detail) = (materials.rough(material), detail(set, &own_from_world, frame.projection()));
-        let hull = hull(primitive.bounds(), (set, detail), (&met.world_from_own, &own_from_world), rough);
+        let hull = hull((primitive, set, detail), (&met.world_from_own, &own_from_world), rough);
         if hull::draw(frame, registers, hull, Meeting::First) {
             let (primitive, own_from_world) = (primitive.clone(), Box::new(own_from_world));
             let shape = Shape::Hull { primitive, own_from_world, detail, rough: rough.cloned() };
@@ -51,12 +51,11 @@ fn rind(bark: Option<&Bark>, materials: &Materials, material: Option<MaterialId>
 
 /// A hull of which so much is seen.
 fn hull<'h>(
-    bounds: Aabb,
-    (set, detail): (&'h ConvexSet, Detail),
+    (primitive, set, detail): (&'h Primitive, &'h ConvexSet, Detail),
     (world_from_own, own_from_world): (&'h DAffine3, &'h DAffine3),
     rough: Option<&'h Arc<Rough>>,
 ) -> Hull<'h> {
-    Hull { bounds, tips: set.tips(detail), shown: set.shown(detail), world_from_own, own_from_world, rough }
+    Hull { primitive, tips: set.tips(detail), shown: set.shown(detail), world_from_own, own_from_world, rough }
 }
 
 /// Draws what is met as the piece of the next number: solids where rays meet them so. Says whether any of it is seen.
@@ -74,7 +73,7 @@ pub(crate) fn draw(
         let own_from_world = map.inverse();
         let detail = detail(set, &own_from_world, frame.projection());
         let rough = materials.rough(met.look.material);
-        let hull = hull(primitive.bounds(), (set, detail), (map, &own_from_world), rough);
+        let hull = hull((primitive, set, detail), (map, &own_from_world), rough);
         return hull::draw(frame, registers, hull, meeting);
     }
     match met.what {

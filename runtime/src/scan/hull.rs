@@ -28,7 +28,7 @@ use super::outline::Outline;
 use super::projection::Fan;
 use super::registers::{LANES, Met, NO_PLANE, Registers};
 use super::solid::Meeting;
-use crate::geometry::{Aabb, Shown};
+use crate::geometry::{Chord, Crossing, Primitive, Ray, Shown};
 use crate::lanes::{EIGHT, Kernel, Task, dispatch, negative16, select16};
 use crate::texture::Rough;
 
@@ -38,7 +38,7 @@ const WIDE: f64 = 64.0;
 /// A hull where it is in the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Hull<'h> {
-    pub(crate) bounds: Aabb,
+    pub(crate) primitive: &'h Primitive,
     /// The corners of what is seen, or of something around it; none if there are many.
     pub(crate) tips: &'h [DVec3],
     /// What is seen of it.
@@ -51,12 +51,15 @@ pub(crate) struct Hull<'h> {
 
 /// Draws a hull where it is met so, as the piece of the next number; says whether any of it is seen.
 pub(crate) fn draw(frame: &mut Frame, registers: &mut Registers, hull: Hull<'_>, meeting: Meeting) -> bool {
+    let within = Outline::around(hull.tips, hull.world_from_own, frame.projection());
+    if within.is_some_and(|it| (0..frame.grids()).all(|number| it.misses(&frame.grid(number)))) {
+        return false;
+    }
     let projection = frame.projection();
     let fan = projection.fan(hull.own_from_world);
-    let within = Outline::around(hull.tips, hull.world_from_own, projection);
     let outline = match &within {
         Some(within) if within.width() <= WIDE => *within,
-        _ => Outline::new(&hull.bounds, hull.world_from_own, projection),
+        _ => Outline::new(&hull.primitive.bounds(), hull.world_from_own, projection),
     };
     registers.sort(&hull.shown, &fan);
     dispatch(Drawing { frame, registers, hull, within: within.unwrap_or(outline), outline, fan, meeting })
@@ -104,6 +107,17 @@ impl Task for Drawing<'_> {
             }
         }
         is_seen
+    }
+}
+
+impl Meeting {
+    /// Where a line meets what is left so of the piece of it inside a set.
+    fn of_rough(self, rough: &Rough, set: &Shown<'_>, line: &Ray, chord: Chord) -> Option<Crossing> {
+        if self == Self::First {
+            let (near, far) = rough.ends(set, line, chord, |near| near > 0.0)?;
+            return [Some(near), far].into_iter().flatten().find(|it| it.t > 0.0 && it.t.is_finite());
+        }
+        self.of_chord(&rough.left(set, line, chord)?)
     }
 }
 
@@ -259,8 +273,10 @@ impl Drawer<'_> {
         let Self { piece, hull, fan, meeting } = self;
         let ray = fan.ray(grid.at(column, row));
         if let Some(rough) = hull.rough {
-            let chord = hull.shown.chord(&ray, None).and_then(|it| rough.left(&hull.shown, &ray, it));
-            let met = chord.and_then(|it| meeting.of_chord(&it));
+            // What is carved away only leaves what lies further back.
+            let depth = grid.depth(column, row);
+            let chord = hull.shown.chord(&ray, None).filter(|it| it.near.t < depth);
+            let met = chord.and_then(|it| meeting.of_rough(rough, &hull.shown, &ray, it));
             return met.is_some_and(|it| grid.put(column, row, it.t, *piece, it.face));
         }
         let met = |number: u32| Some((hull.shown.plane(number as usize)?.met(&ray), number));

@@ -124,6 +124,11 @@ impl Outline {
         between(self.rows(), grid.at(0, 0).y, grid.rect.height)
     }
 
+    /// Whether no sample of a grid lies in it.
+    pub(crate) fn misses(&self, grid: &Grid<'_>) -> bool {
+        self.rows_in(grid).is_empty() || grid.columns(self.columns_of_all()).is_empty()
+    }
+
     /// Goes through the samples of a frame that lie in it: row by row, those in a run of columns.
     #[inline(always)]
     pub(crate) fn each_run(&self, frame: &mut Frame, mut draw: impl FnMut(&mut Grid<'_>, usize, Range<usize>)) {

@@ -23,7 +23,10 @@ pub(crate) struct Registers {
 #[derive(Debug, Default)]
 struct Side {
     numbers: Vec<u32>,
-    values: Vec<Linear>,
+    /// What each is at the corner of the picture, and by how much it grows from sample to sample.
+    corners: Vec<f64>,
+    across: Vec<f64>,
+    down: Vec<f64>,
     /// By how much each grows from the first sample of sixteen to each of them.
     steps: Vec<f32x16>,
     /// What each is at the beginning of the line, and at the first of the sixteen samples.
@@ -116,45 +119,47 @@ impl Registers {
 impl Side {
     fn clear(&mut self) {
         self.numbers.clear();
-        self.values.clear();
-    }
-
-    fn push(&mut self, plane: u32, value: Linear) {
-        self.numbers.push(plane);
-        self.values.push(value);
-    }
-
-    /// Makes ready what does not change from line to line.
-    fn settle(&mut self) {
+        self.corners.clear();
+        self.across.clear();
+        self.down.clear();
         self.steps.clear();
-        for value in &self.values {
-            let mut steps = [0.0; LANES];
-            for (lane, step) in steps.iter_mut().enumerate() {
-                *step = (value.across * lane as f64) as f32;
-            }
-            self.steps.push(pulp::cast(steps));
+    }
+
+    fn push(&mut self, plane: u32, Linear { corner, across, down }: Linear) {
+        self.numbers.push(plane);
+        self.corners.push(corner);
+        self.across.push(across);
+        self.down.push(down);
+        let mut steps = [0.0; LANES];
+        for (lane, step) in steps.iter_mut().enumerate() {
+            *step = (across * lane as f64) as f32;
         }
-        self.lines.resize(self.values.len(), 0.0);
-        self.starts.resize(self.values.len(), 0.0);
+        self.steps.push(pulp::cast(steps));
+    }
+
+    /// Makes room for what changes from line to line.
+    fn settle(&mut self) {
+        self.lines.resize(self.numbers.len(), 0.0);
+        self.starts.resize(self.numbers.len(), 0.0);
     }
 
     #[inline(always)]
     fn begin_line(&mut self, y: f64) {
         // Here and below by number: what goes through two lists at once is not always inlined.
-        let lines = &mut self.lines[..self.values.len()];
+        let lines = &mut self.lines[..self.numbers.len()];
+        let (corners, down) = (&self.corners[..lines.len()], &self.down[..lines.len()]);
         for (number, line) in lines.iter_mut().enumerate() {
-            let value = &self.values[number];
-            *line = value.corner + value.down * y;
+            *line = corners[number] + down[number] * y;
         }
     }
 
     /// Begins sixteen samples at this place of the line.
     #[inline(always)]
     fn begin(&mut self, x: f64) {
-        let starts = &mut self.starts[..self.values.len()];
-        let lines = &self.lines[..starts.len()];
+        let starts = &mut self.starts[..self.numbers.len()];
+        let (lines, across) = (&self.lines[..starts.len()], &self.across[..starts.len()]);
         for (number, start) in starts.iter_mut().enumerate() {
-            *start = (lines[number] + self.values[number].across * x) as f32;
+            *start = (lines[number] + across[number] * x) as f32;
         }
     }
 

@@ -1,9 +1,9 @@
 //! Solid textures that are computed beforehand: a cube of coloured cells that tiles space, with ever coarser ones in front of which
 //! it is seen from farther away (FG86, sections 3 and 4).
 //!
-//! **Law.** Each cell of a level is the mean of the eight below it, so every level has the mean of the whole, and what is looked up
-//! with a wider footprint comes nearer to it. A cube of side n takes about n³ bytes, and 16/7 n³ for the coarser levels: 53 MiB for the
-//! largest, of side 256.
+//! **Law.** Each cell of a level is the mean of the eight below it, to one part in 2^16, so every level has the mean of the whole, and what is
+//! looked up with a wider footprint comes nearer to it. A cube of side n takes about 2 n³ bytes, and 32/7 n³ for the coarser levels, whose cells
+//! stand beside their neighbours: 105 MiB for the largest, of side 256.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,6 +13,7 @@ use super::cells::{Cells, Level, Texel};
 use super::{Footprint, Tone};
 use crate::eval::uniform;
 use crate::form::Chunks;
+use crate::lanes::SIXTEEN;
 use crate::picture::color::linear;
 
 /// A colour in linear light, as much of it as there is, and how much there is: what is left is seen of what lies below.
@@ -40,14 +41,21 @@ pub(super) struct Cube {
     /// How many cells are on a side: a power of two.
     pub(super) side: usize,
     /// Cells a metre.
-    scale: f64,
-    /// What the numbers of cells stand for. The first is for cells without a chunk.
-    pub(super) palette: Vec<Texel>,
-    /// The finest cells.
-    pub(super) finest: Vec<u8>,
-    /// Coarser cells, level by level, each of half as many a side as the one before.
-    pub(super) coarse: Vec<Vec<Texel>>,
+    pub(super) scale: f64,
+    /// What a number of a texel stands for.
+    pub(super) unit: f32,
+    /// The finest cells, each with the one above it: as numbers of pairs of colours.
+    pub(super) finest: Vec<u16>,
+    /// The colour of a cell, and that of the one above it, in units.
+    pub(super) pairs: Vec<[Texel; 2]>,
+    /// Coarser cells, level by level, each of half as many a side as the one before: each with its neighbours along y and z.
+    pub(super) coarse: Vec<Column>,
+    /// Where each level begins in them; the first one is that of the finest cells, which are not there.
+    pub(super) firsts: [u32; SIXTEEN],
 }
+
+/// Four cells of the same x, in units: one, the one above it, the one behind it, and that above that.
+pub(super) type Column = [[u16; 4]; 4];
 
 /// Brightness of linear light, as eyes have it.
 const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
@@ -62,14 +70,15 @@ impl LazyCube {
         self.chunks.size / f64::from(self.chunks.cube)
     }
 
+    #[inline]
     fn cube(&self) -> &Cube {
         self.cube.get_or_init(|| Cube::new(&self.chunks, self.seed))
     }
 
-    /// Its cells, and how many of them there are on a metre.
-    pub(super) fn cells(&self) -> (Cells<'_>, f64) {
-        let cube = self.cube();
-        (Cells(cube), cube.scale)
+    /// Its cells.
+    #[inline]
+    pub(super) fn cells(&self) -> Cells<'_> {
+        Cells(self.cube())
     }
 
     /// The colour at a point.
@@ -81,7 +90,7 @@ impl LazyCube {
     /// The mean colour.
     pub(super) fn mean_tint(&self) -> Tint {
         let cube = self.cube();
-        of_texel(cube.texel(cube.levels(), [0; 3]))
+        of_texel(cube.mean())
     }
 
     /// The brightness at a point alone, at its finest.
@@ -106,7 +115,7 @@ impl LazyCube {
     /// The mean brightness.
     pub(super) fn mean(&self) -> f64 {
         let cube = self.cube();
-        brightness(cube.texel(cube.levels(), [0; 3]))
+        brightness(cube.mean())
     }
 }
 
@@ -124,50 +133,57 @@ impl Cube {
         let side = chunks.cube as usize;
         let color = |it: &[f64; 3]| linear(DVec3::from_array(*it)).extend(1.0).as_vec4().to_array();
         let palette: Vec<Texel> = std::iter::once([0.0; 4]).chain(chunks.colors.iter().map(color)).collect();
-        let finest = closed(&finest(chunks, seed), side);
-        let mut cube = Self { side, scale: side as f64 / chunks.size, palette, finest, coarse: Vec::new() };
-        let mut half = side / 2;
-        while half > 0 {
-            let level = cube.coarser(half);
-            cube.coarse.push(closed(&level, half));
-            half /= 2;
+        let unit = palette.iter().flatten().fold(1.0, |most, it| it.max(most)) / f32::from(u16::MAX);
+        let in_units = |cell: &Texel| cell.map(|it| it / unit);
+        let cells = finest(chunks, seed);
+        let mut cube = Self {
+            side,
+            scale: side as f64 / chunks.size,
+            unit,
+            finest: pairs(&cells, side, palette.len()),
+            pairs: palette.iter().flat_map(|cell| palette.iter().map(|it| [in_units(cell), in_units(it)])).collect(),
+            coarse: Vec::new(),
+            firsts: [0; SIXTEEN],
+        };
+        let finest = |cell: usize| in_units(&palette[usize::from(cells[cell])]);
+        if side == 1 {
+            // The finest is the coarsest, and is there as well.
+            cube.coarse = columns(&[finest(0)], 1);
+        }
+        let mut level = Vec::new();
+        for number in 1..=cube.levels() {
+            let half = side >> number;
+            level = if number == 1 { coarser(half, finest) } else { coarser(half, |cell| level[cell]) };
+            cube.firsts[number] = cube.coarse.len() as u32;
+            cube.coarse.extend(columns(&level, half));
         }
         cube
     }
 
-    /// The level after the last one, of so many cells a side.
-    fn coarser(&self, side: usize) -> Vec<Texel> {
-        let below = self.levels();
-        let mut level = Vec::with_capacity(side * side * side);
-        for z in 0..side {
-            for y in 0..side {
-                for x in 0..side {
-                    let mut sum = DVec4::ZERO;
-                    for corner in 0..8 {
-                        let at = |low: usize, bit: usize| 2 * low + (corner >> bit & 1);
-                        let texel = self.texel(below, [at(x, 0), at(y, 1), at(z, 2)]);
-                        sum += DVec4::from_array(texel.map(f64::from));
-                    }
-                    level.push((sum * 0.125).as_vec4().to_array());
-                }
-            }
-        }
-        level
+    /// The mean of all cells.
+    fn mean(&self) -> Texel {
+        let units = self.coarse.last().map_or([0; 4], |it| it[0]);
+        units.map(|it| f32::from(it) * self.unit)
     }
 
-    /// A cell of a level, the finest being 0.
-    fn texel(&self, level: usize, [x, y, z]: [usize; 3]) -> Texel {
-        let side = self.side >> level;
-        let index = (z * side + y) * (side + 1) + x;
-        match level.checked_sub(1) {
-            None => self.palette[usize::from(self.finest[index])],
-            Some(coarse) => self.coarse[coarse][index],
+    /// A cell of a level, the one above it, the one behind it, and that above that: first of these rows, which lie one behind the other, and then the
+    /// next ones.
+    pub(super) fn corners(&self, level: usize, [near, far]: [usize; 2]) -> [[Texel; 4]; 2] {
+        if level == 0 {
+            return [0, 1].map(|next| {
+                let [[cell, above], [behind, both]] =
+                    [near, far].map(|row| self.pairs[usize::from(self.finest[row + next])]);
+                [cell, above, behind, both].map(|it| it.map(|it| it * self.unit))
+            });
         }
+        let cell = self.firsts[level] as usize + near;
+        [self.coarse[cell], self.coarse[cell + 1]].map(|it| it.map(|it| it.map(|it| f32::from(it) * self.unit)))
     }
 
     /// How many levels there are besides the finest.
+    #[inline(always)]
     pub(super) fn levels(&self) -> usize {
-        self.coarse.len()
+        self.side.trailing_zeros() as usize
     }
 
     /// How wide a footprint is, in cells: they are seen through a tent, which has half their width as its deviation.
@@ -186,9 +202,42 @@ impl Cube {
     }
 }
 
-/// The cells of a level, with the first one of each row again at its end.
-fn closed<T: Copy>(cells: &[T], side: usize) -> Vec<T> {
-    cells.chunks_exact(side).flat_map(|row| row.iter().chain(row.first())).copied().collect()
+/// The cells of a level of so many a side, if those of the one before it are these.
+fn coarser(side: usize, below: impl Fn(usize) -> Texel) -> Vec<Texel> {
+    let mut level = Vec::with_capacity(side * side * side);
+    for z in 0..side {
+        for y in 0..side {
+            for x in 0..side {
+                let mut sum = DVec4::ZERO;
+                for corner in 0..8 {
+                    let at = |low: usize, bit: usize| 2 * low + (corner >> bit & 1);
+                    let texel = below((at(z, 2) * 2 * side + at(y, 1)) * 2 * side + at(x, 0));
+                    sum += DVec4::from_array(texel.map(f64::from));
+                }
+                level.push((sum * 0.125).as_vec4().to_array());
+            }
+        }
+    }
+    level
+}
+
+/// The cells of a level, each with its neighbours, and with the first one of each row again at its end.
+fn columns(cells: &[Texel], side: usize) -> Vec<Column> {
+    let cell = |x: usize, y: usize, z: usize| {
+        let texel = &cells[(z % side * side + y % side) * side + x % side];
+        texel.map(|it| (it + 0.5) as u16)
+    };
+    let column = |x, y, z| [cell(x, y, z), cell(x, y, z + 1), cell(x, y + 1, z), cell(x, y + 1, z + 1)];
+    let rows = (0..side * side).map(|it| (it % side, it / side));
+    rows.flat_map(|(y, z)| (0..=side).map(move |x| (x, y, z))).map(|(x, y, z)| column(x, y, z)).collect()
+}
+
+/// The finest cells as numbers of pairs of colours, with the first one of each row again at its end.
+fn pairs(cells: &[u8], side: usize, colors: usize) -> Vec<u16> {
+    let cell = |x: usize, y: usize, z: usize| usize::from(cells[(z % side * side + y) * side + x % side]);
+    let rows = (0..side * side).map(|it| (it % side, it / side));
+    let places = rows.flat_map(|(y, z)| (0..=side).map(move |x| (x, y, z)));
+    places.map(|(x, y, z)| (cell(x, y, z) * colors + cell(x, y, z + 1)) as u16).collect()
 }
 
 /// The finest cells: blocks of random places and sizes, laid one over the other.

@@ -56,6 +56,22 @@ impl Octaves {
         self.0.iter().fold(MEAN, |sum, it| sum + one(it))
     }
 
+    /// Whether that value is at most this high. Octave by octave it is known better, so most points need not be asked for all of them.
+    pub(super) fn is_at_most(&self, height: f64, point: DVec3) -> bool {
+        /// Noise is never further from 0.
+        const MOST: f64 = 1.1;
+        let mut rest: f64 = self.0.iter().map(|it| it.amplitude * MOST).sum();
+        let mut value = MEAN;
+        for octave in &self.0 {
+            if (value - height).abs() > rest + 1e-9 {
+                break;
+            }
+            value += octave.amplitude * noise_value(octave.seed, point * octave.frequency + octave.shift);
+            rest -= octave.amplitude * MOST;
+        }
+        value <= height
+    }
+
     pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
         let mut tone = Tone { value: MEAN, slope: DVec3::ZERO };
         for octave in &self.0 {
@@ -77,4 +93,24 @@ fn shift(seed: u64) -> DVec3 {
     let y = spread(x);
     let part = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64;
     DVec3::new(part(x), part(y), part(spread(y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whether_a_value_is_at_most_so_high_is_what_the_value_says() {
+        let fbm = Fbm { dimension: 2.6, octaves: 3, frequency: 0.7, lacunarity: 2.1 };
+        let octaves = Octaves::new(&fbm, 7);
+        let mut low = 0;
+        for number in (0..20_000u32).map(f64::from) {
+            let point = DVec3::new(number * 0.377 - 2000.0, 900.0 - number * 0.511, number * 0.123);
+            let (value, height) = (octaves.value_at(point), number / 20_000.0);
+            assert_eq!(octaves.is_at_most(height, point), value <= height, "{point}");
+            assert!(octaves.is_at_most(value, point) && !octaves.is_at_most(value - 1e-12, point));
+            low += u32::from(value <= height);
+        }
+        assert!((8_000..12_000).contains(&low), "{low}");
+    }
 }

@@ -10,6 +10,7 @@ mod decode;
 mod fbm;
 mod footprint;
 mod fourier;
+mod looks;
 mod rough;
 mod tiles;
 
@@ -22,10 +23,11 @@ use self::tiles::Tiles;
 use crate::eval::mix;
 use crate::form::{Pattern, Texture};
 
-pub(crate) use cells::{Cells, Looks};
+pub(crate) use cells::Cells;
 pub use cube::Tint;
 pub use decode::{BadPicture, decode_png};
 pub use footprint::Footprint;
+pub(crate) use looks::{LookRoom, Texels};
 pub(crate) use rough::{Rough, Roughs};
 
 /// What a texture is at a point.
@@ -122,6 +124,14 @@ impl Field {
         if height > 0.0 { height.min(1.0) } else { 0.0 }
     }
 
+    /// Whether it is at most so high at a point, of noise: what [`Field::height`] says of numbers below 1.
+    pub(crate) fn is_at_most(&self, height: f64, point: DVec3) -> bool {
+        match &self.waves {
+            Waves::Fbm(it) => it.is_at_most(height, (point - self.offset) * self.shrink),
+            Waves::Fourier(_) | Waves::Image(_) | Waves::Chunks(_) => self.height(Laid::Flat, point) <= height,
+        }
+    }
+
     /// About the length of the finest waves that count.
     pub(crate) fn finest(&self) -> f64 {
         let own = match &self.waves {
@@ -159,14 +169,16 @@ impl Field {
         Some(if tint.color.is_finite() { tint } else { cube.mean_tint() })
     }
 
-    /// If it has colours that take the place of what it is on: its cells, and how points are mapped to places in them.
-    pub(crate) fn cells(&self) -> Option<(Cells<'_>, DAffine3)> {
-        let Waves::Chunks(cube) = &self.waves else {
-            return None;
-        };
-        let (cells, scale) = cube.cells();
-        let shrink = self.shrink * scale;
-        Some((cells, DAffine3::from_mat3_translation(DMat3::from_diagonal(shrink), -self.offset * shrink)))
+    /// Its cells, if it has colours that take the place of what it is on.
+    #[inline]
+    pub(crate) fn cells(&self) -> Option<Cells<'_>> {
+        if let Waves::Chunks(cube) = &self.waves { Some(cube.cells()) } else { None }
+    }
+
+    /// How points are mapped to places in its cells.
+    pub(crate) fn cells_from_point(&self) -> Option<DAffine3> {
+        let shrink = self.shrink * self.cells()?.scale();
+        Some(DAffine3::from_mat3_translation(DMat3::from_diagonal(shrink), -self.offset * shrink))
     }
 
     /// The mean of that colour over space.

@@ -21,6 +21,7 @@ use self::sky::SkyLine;
 use super::tile::Setting;
 use crate::lanes::{EIGHT, Kernel, SIXTEEN, Singles, Task, dispatch};
 use crate::scan::{Frame, Mark, Shadows};
+use crate::texture::LookRoom;
 
 /// The colours of a tile, and room to find them.
 #[derive(Debug, Default)]
@@ -33,11 +34,13 @@ pub(super) struct Plain {
     pub(super) shadow_count: u64,
     /// What is known of each piece.
     coats: Vec<Learned<Coat>>,
-    /// For each piece the number of its first face in `facets`, then how many there are.
+    /// For each piece the number of its first face in `slots`, then how many there are.
     firsts: Vec<u32>,
-    /// What is known of each face.
-    facets: Vec<Learned<Facet>>,
+    /// For each face where that stands which is known of it in `facets`, or one of the two below.
+    slots: Vec<u32>,
+    facets: Vec<Facet>,
     sunny: Vec<Sunny>,
+    look_room: LookRoom,
 }
 
 /// Where the colours of a tile are put: into rows that may be longer than its own.
@@ -58,6 +61,10 @@ enum Learned<T> {
     Other,
 }
 
+/// Of a face: nothing is known yet, and that it takes more than is done here.
+const NOT_YET: u32 = u32::MAX;
+const OTHER: u32 = u32::MAX - 1;
+
 /// More light than this says nothing more; it keeps sums finite.
 const BRIGHTEST: f32 = 1e6;
 
@@ -72,6 +79,21 @@ impl<'r> Rows<'r> {
     fn pixels(&mut self, run: &Run) -> &mut [[f32; 4]] {
         let first = run.row * self.length + self.left;
         &mut self.colors[first + run.columns.start..first + run.columns.end]
+    }
+
+    /// Puts the colours of a run of at most sixteen pixels. Those behind it, up to this column, may be changed: they are painted later.
+    #[inline(always)]
+    fn put_sixteen<K: Kernel>(&mut self, kernel: K, run: &Run, width: usize, colors: [Singles<K>; 3]) {
+        let colors = as_pixels(kernel, colors);
+        let pixels = self.pixels(&Run { columns: run.columns.start..width, ..*run });
+        match pixels.first_chunk_mut() {
+            Some(pixels) => *pixels = colors,
+            None => {
+                for (number, pixel) in pixels.iter_mut().enumerate() {
+                    *pixel = colors[number];
+                }
+            }
+        }
     }
 
     /// Puts the colour of one pixel.
@@ -95,7 +117,8 @@ impl Plain {
         self.coats.clear();
         self.coats.resize(frame.pieces().len(), Learned::NotYet);
         self.facets.clear();
-        self.facets.resize(faces as usize, Learned::NotYet);
+        self.slots.clear();
+        self.slots.resize(faces as usize, NOT_YET);
         let is_calm = setting.shader.suns().is_empty() && setting.shader.haze() <= 0.0;
         dispatch(Shading { plain: self, frame, rows, setting, shadows, is_calm });
     }
@@ -129,19 +152,33 @@ impl Task for Shading<'_, '_> {
         let sky = SkyLine::new(self.setting.shader.sky(), self.frame.projection());
         for row in 0..rect.height as usize {
             let marks = self.frame.marks_from(row);
+            let sky_row = sky.row(f64::from(rect.y) + row as f64 + 0.5);
             let mut start = 0;
             while start < width {
                 let mark = marks[start];
-                let end = end_of_run(kernel, marks, start, mark, u64::MAX).min(width);
-                let run = Run { row, columns: start..end };
-                if mark == Mark::NOTHING {
-                    sky.paint(kernel, self.at(&run), self.rows.pixels(&run));
-                    start = end;
+                let run = Run { row, columns: start..width };
+                start = if mark == Mark::NOTHING {
+                    let run = run.cut(alike(kernel, &marks[start..], mark, u64::MAX).trailing_ones() as usize);
+                    if sky.visible {
+                        self.rows.put_sixteen(kernel, &run, width, sky.colors(kernel, sky_row, self.at(&run).x));
+                    } else {
+                        self.rows.pixels(&run).fill([0.0; 4]);
+                    }
+                    run.columns.end
                 } else {
-                    start = self.surface(kernel, mark, &run, marks);
-                }
+                    self.surface(kernel, mark, &run, &marks[start..])
+                };
             }
         }
+    }
+}
+
+impl Run {
+    /// No more than so many pixels.
+    #[inline(always)]
+    fn cut(&self, count: usize) -> Self {
+        let Range { start, end } = self.columns;
+        Self { columns: start..end.min(start + count), ..*self }
     }
 }
 
@@ -153,36 +190,32 @@ impl Shading<'_, '_> {
         DVec2::new(f64::from(rect.x) + run.columns.start as f64, f64::from(rect.y) + run.row as f64) + 0.5
     }
 
-    /// Paints a run of pixels on a face, and maybe those that follow it; gives the column behind. `marks` are those of the row and on.
+    /// Paints some pixels from the beginning of a row's rest on, of which the first has this mark; gives the column behind. `marks` are those
+    /// from there on.
     #[inline(always)]
-    fn surface<K: Kernel>(&mut self, kernel: K, mark: Mark, run: &Run, marks: &[Mark]) -> usize {
+    fn surface<K: Kernel>(&mut self, kernel: K, mark: Mark, rest: &Run, marks: &[Mark]) -> usize {
         let piece = mark.piece() as usize;
         if let Learned::NotYet = self.plain.coats[piece] {
             self.plain.coats[piece] = self.learn_coat(mark);
         }
-        let end = run.columns.end;
-        let Learned::As(coat) = &self.plain.coats[piece] else {
-            self.leave(run);
-            return end;
-        };
-        match &coat.cloth {
-            None if self.is_calm => self.fill(mark, run),
-            Some(_) if self.is_calm => {
-                let all = end_of_run(kernel, marks, end, mark, Mark::PIECE).min(self.frame.rect().width as usize);
-                for first in (run.columns.start..all).step_by(SIXTEEN) {
-                    let columns = first..all.min(first + SIXTEEN);
-                    self.weave(kernel, piece, &Run { columns, ..*run }, &marks[first..]);
-                }
-                return all;
-            }
-            _ => {
-                for first in run.columns.clone().step_by(SIXTEEN) {
-                    let columns = first..end.min(first + SIXTEEN);
-                    self.light(kernel, mark, &Run { columns, ..*run });
-                }
-            }
+        if let Learned::As(Coat { cloth: Some(_), .. }) = &self.plain.coats[piece]
+            && self.is_calm
+        {
+            let run = rest.cut(alike(kernel, marks, mark, Mark::PIECE).trailing_ones() as usize);
+            self.weave(kernel, mark, &run, rest.columns.end, marks);
+            return run.columns.end;
         }
-        end
+        let run = rest.cut(end_of_run(kernel, marks, mark));
+        match &self.plain.coats[piece] {
+            Learned::As(_) if self.is_calm => self.fill(mark, &run),
+            Learned::As(_) => {
+                for first in run.columns.clone().step_by(SIXTEEN) {
+                    self.light(kernel, mark, &Run { columns: first..run.columns.end, ..run }.cut(SIXTEEN));
+                }
+            }
+            _ => self.leave(&run),
+        }
+        run.columns.end
     }
 
     /// Leaves pixels to others.
@@ -191,67 +224,75 @@ impl Shading<'_, '_> {
         self.plain.others.extend(run.columns.clone().map(|it| (it as u32, run.row as u32)));
     }
 
+    /// Leaves those of sixteen pixels from the beginning of a run on to others that these bits tell.
+    #[cold]
+    fn leave_some(&mut self, run: &Run, some: u32) {
+        let lanes = (0..SIXTEEN).filter(|it| some >> it & 1 != 0);
+        self.plain.others.extend(lanes.map(|it| ((run.columns.start + it) as u32, run.row as u32)));
+    }
+
     /// Paints pixels on a face that has one colour all over.
     #[inline(always)]
     fn fill(&mut self, mark: Mark, run: &Run) {
         let slot = self.known(mark);
-        match (&self.plain.coats[mark.piece() as usize], &self.plain.facets[slot]) {
-            (Learned::As(coat), Learned::As(facet)) => self.rows.pixels(run).fill(shown(coat.own, facet.light)),
+        match (&self.plain.coats[mark.piece() as usize], self.plain.facets.get(slot)) {
+            (Learned::As(coat), Some(facet)) => self.rows.pixels(run).fill(shown(coat.own, facet.light)),
             _ => self.leave(run),
         }
     }
 
-    /// Paints at most sixteen pixels on faces of a piece that has a texture.
+    /// Paints at most sixteen pixels on faces of the piece of this mark, which has a texture. What is behind them, up to a column, may change.
     #[inline(always)]
-    fn weave<K: Kernel>(&mut self, kernel: K, piece: usize, run: &Run, marks: &[Mark]) {
-        let count = run.columns.len();
+    fn weave<K: Kernel>(&mut self, kernel: K, mark: Mark, run: &Run, end: usize, marks: &[Mark]) {
         // Behind the last pixel the coarsest cells are looked at, which are always at hand.
-        let (mut slots, mut girths) = ([0; SIXTEEN], [f32::INFINITY; SIXTEEN]);
-        for lane in 0..count {
-            slots[lane] = self.known(marks[lane]);
-            match &self.plain.facets[slots[lane]] {
-                Learned::As(facet) => girths[lane] = facet.girth,
-                _ => self.leave(&Run { columns: run.columns.start + lane..run.columns.start + lane + 1, ..*run }),
+        let mut girths = Singles::splat(kernel, f32::INFINITY);
+        let mut lights = [Singles::splat(kernel, 0.0); 3];
+        let count = run.columns.len();
+        let mut left = 0xffff_u32 >> (SIXTEEN - count);
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            let face = alike(kernel, marks, marks[first], u64::MAX) & left;
+            left &= !face;
+            let slot = self.known(marks[first]);
+            let Some(facet) = self.plain.facets.get(slot) else {
+                self.leave_some(run, face);
+                continue;
+            };
+            girths = girths.with(face, girths.all(facet.girth));
+            for (channel, light) in lights.iter_mut().enumerate() {
+                *light = light.with(face, girths.all(facet.light[channel]));
             }
         }
         let (at, depths) = (self.at(run), self.depths(kernel, run));
-        let Plain { coats, facets, .. } = &*self.plain;
-        let Learned::As(Coat { own, cloth: Some(cloth), .. }) = &coats[piece] else { return };
+        let Plain { coats, look_room, .. } = &mut *self.plain;
+        let Learned::As(Coat { own, cloth: Some(cloth), .. }) = &coats[mark.piece() as usize] else { return };
         let Some(cells) = cloth.cells(self.setting) else { return };
-        let girths = Singles::of(kernel, girths);
-        let looks = cloth.look(kernel, cells, at, self.frame.projection(), depths, girths);
-        let own = Singles::of_four(kernel, *own);
-        let colors = self.rows.pixels(run);
-        // By number: what goes through two lists at once is not always inlined.
-        for quarter in 0..count.div_ceil(4) {
-            let first = 4 * quarter;
-            let color = cloth.over(own, looks.texels(kernel, quarter));
-            // What is behind the last pixel is the first face, and nothing is done with it.
-            let [a, b] = [&facets[slots[first]], &facets[slots[first + 1]]];
-            let [c, d] = [&facets[slots[first + 2]], &facets[slots[first + 3]]];
-            let light = Singles::of_fours(kernel, [light_of(a), light_of(b), light_of(c), light_of(d)]);
-            put_four(&mut colors[first..], shown_all(kernel, color * light));
-        }
+        let texels = cloth.look(kernel, (cells, look_room), (at, count), self.frame.projection(), depths, girths);
+        self.rows.put_sixteen(kernel, run, end, shown_all(cloth.over(*own, &texels), lights));
     }
 
     /// Paints at most sixteen pixels on a face that suns may shine on, or that air may be in front of.
     #[inline(always)]
     fn light<K: Kernel>(&mut self, kernel: K, mark: Mark, run: &Run) {
         let (slot, at, depths) = (self.known(mark), self.at(run), self.depths(kernel, run));
-        let Plain { coats, facets, sunny, shadow_count, .. } = &mut *self.plain;
-        let (Learned::As(coat), Learned::As(facet)) = (&coats[mark.piece() as usize], &facets[slot]) else {
+        let Plain { coats, facets, sunny, shadow_count, look_room, .. } = &mut *self.plain;
+        let (Learned::As(coat), Some(facet)) = (&coats[mark.piece() as usize], facets.get(slot)) else {
             self.leave(run);
             return;
         };
         *shadow_count += (facet.suns() * run.columns.len()) as u64;
-        let count = run.columns.len();
         let mut own = [coat.own; SIXTEEN];
         if let Some((cloth, cells)) = coat.cloth.as_ref().and_then(|it: &Cloth| Some((it, it.cells(self.setting)?))) {
             let girths = Singles::splat(kernel, facet.girth);
-            let looks = cloth.look(kernel, cells, at, self.frame.projection(), depths, girths);
-            for (quarter, own) in own.as_chunks_mut().0.iter_mut().enumerate().take(count.div_ceil(4)) {
-                *own = cloth.over(Singles::of_fours(kernel, *own), looks.texels(kernel, quarter)).to_fours();
-            }
+            let texels = cloth.look(
+                kernel,
+                (cells, look_room),
+                (at, run.columns.len()),
+                self.frame.projection(),
+                depths,
+                girths,
+            );
+            own = as_pixels(kernel, cloth.over(coat.own, &texels));
         }
         for (number, colors) in self.rows.pixels(run).chunks_mut(facet::LANES).enumerate() {
             let first = number * facet::LANES;
@@ -274,14 +315,14 @@ impl Shading<'_, '_> {
         }
     }
 
-    /// Where that stands which is known of a face; from now on it is.
+    /// Where that stands which is known of a face; from now on it is. Nothing stands there if it takes more than is done here.
     #[inline(always)]
     fn known(&mut self, mark: Mark) -> usize {
-        let slot = (self.plain.firsts[mark.piece() as usize] + mark.face()) as usize;
-        if let Learned::NotYet = self.plain.facets[slot] {
-            self.plain.facets[slot] = self.learn_facet(mark);
+        let number = (self.plain.firsts[mark.piece() as usize] + mark.face()) as usize;
+        match self.plain.slots[number] {
+            NOT_YET => self.learn_facet(number, mark) as usize,
+            slot => slot as usize,
         }
-        slot
     }
 
     #[inline(never)]
@@ -291,33 +332,56 @@ impl Shading<'_, '_> {
     }
 
     #[inline(never)]
-    fn learn_facet(&mut self, mark: Mark) -> Learned<Facet> {
-        let number = mark.piece() as usize;
-        let piece = &self.frame.pieces()[number];
-        let Plain { coats, sunny, .. } = &mut *self.plain;
-        let Learned::As(coat) = &coats[number] else { return Learned::Other };
-        let projection = self.frame.projection();
-        let facet = Facet::new((piece, mark.face()), coat, projection, self.setting, self.shadows, sunny);
-        facet.map_or(Learned::Other, Learned::As)
+    fn learn_facet(&mut self, number: usize, mark: Mark) -> u32 {
+        let piece = &self.frame.pieces()[mark.piece() as usize];
+        let Plain { coats, sunny, facets, slots, .. } = &mut *self.plain;
+        slots[number] = OTHER;
+        if let Learned::As(coat) = &coats[mark.piece() as usize] {
+            let projection = self.frame.projection();
+            let facet = Facet::new((piece, mark.face()), coat, projection, self.setting, self.shadows, sunny);
+            if let Some(facet) = facet {
+                slots[number] = facets.len() as u32;
+                facets.push(facet);
+            }
+        }
+        slots[number]
     }
 }
 
-/// The first place from `start` on that is not marked so, or the end of all marks: of the marks these bits are looked at.
+/// Which of the first sixteen marks are the same as one, in these bits. Those that are not there are not.
 #[inline(always)]
-fn end_of_run<K: Kernel>(kernel: K, marks: &[Mark], start: usize, mark: Mark, bits: u64) -> usize {
+fn alike<K: Kernel>(kernel: K, marks: &[Mark], mark: Mark, bits: u64) -> u32 {
+    let Some(sixteen) = marks.first_chunk::<SIXTEEN>() else {
+        return marks
+            .iter()
+            .enumerate()
+            .fold(0, |all, (lane, it)| all | u32::from((it.0 ^ mark.0) & bits == 0) << lane);
+    };
+    let (eights, _) = sixteen.as_chunks();
+    alike_eight(kernel, &eights[0], mark, bits) | alike_eight(kernel, &eights[1], mark, bits) << EIGHT
+}
+
+/// Which of eight are.
+#[inline(always)]
+fn alike_eight<K: Kernel>(kernel: K, marks: &[Mark; EIGHT], mark: Mark, bits: u64) -> u32 {
     use pulp::Simd;
     let lanes = kernel.lanes();
     let (masks, wanted) = (lanes.splat_u64s(bits), lanes.splat_u64s(mark.0 & bits));
-    let mut end = start;
+    kernel.bits(lanes.equal_u64s(lanes.and_u64s(pulp::cast(Mark::numbers(marks)), masks), wanted))
+}
+
+/// How many marks at the beginning are the same as one.
+#[inline(always)]
+fn end_of_run<K: Kernel>(kernel: K, marks: &[Mark], mark: Mark) -> usize {
+    let mut end = 0;
     while let Some(eight) = marks[end..].first_chunk::<EIGHT>() {
-        let same = lanes.equal_u64s(lanes.and_u64s(pulp::cast(Mark::numbers(eight)), masks), wanted);
-        let others = !kernel.bits(same) & 0xff;
-        if others != 0 {
-            return end + others.trailing_zeros() as usize;
+        let same = alike_eight(kernel, eight, mark, u64::MAX).trailing_ones() as usize;
+        end += same;
+        if same < EIGHT {
+            return end;
         }
-        end += EIGHT;
     }
-    marks[end..].iter().position(|it| (it.0 ^ mark.0) & bits != 0).map_or(marks.len(), |it| end + it)
+    marks[end..].iter().position(|it| *it != mark).map_or(marks.len(), |it| end + it)
 }
 
 /// An opaque surface of a colour in some light, as pictures hold it.
@@ -331,31 +395,23 @@ fn shown(own: [f32; 4], light: [f32; 4]) -> [f32; 4] {
     color
 }
 
-/// Four of them.
+/// Sixteen of them: reds, greens and blues.
 #[inline(always)]
-fn shown_all<K: Kernel>(kernel: K, colors: Singles<K>) -> [[f32; 4]; 4] {
-    // What is no number becomes 0.
-    let bounded = colors.max(Singles::splat(kernel, 0.0)).min(Singles::splat(kernel, BRIGHTEST));
-    bounded.with(0x8888, Singles::splat(kernel, 1.0)).to_fours()
-}
-
-/// Puts four colours, or the first of them where there are fewer pixels.
-#[inline(always)]
-fn put_four(colors: &mut [[f32; 4]], four: [[f32; 4]; 4]) {
-    match colors.first_chunk_mut() {
-        Some(colors) => *colors = four,
-        None => {
-            for (number, color) in colors.iter_mut().enumerate().take(3) {
-                *color = four[number];
-            }
-        }
+fn shown_all<K: Kernel>(own: [Singles<K>; 3], light: [Singles<K>; 3]) -> [Singles<K>; 3] {
+    let mut colors = own;
+    for (channel, color) in colors.iter_mut().enumerate() {
+        // What is no number becomes 0.
+        *color = (own[channel] * light[channel]).max(color.all(0.0)).min(color.all(BRIGHTEST));
     }
+    colors
 }
 
-/// The light on a face.
+/// Reds, greens and blues pixel by pixel.
 #[inline(always)]
-fn light_of(facet: &Learned<Facet>) -> [f32; 4] {
-    if let Learned::As(facet) = facet { facet.light } else { [0.0; 4] }
+fn as_pixels<K: Kernel>(kernel: K, [red, green, blue]: [Singles<K>; 3]) -> [[f32; 4]; SIXTEEN] {
+    let every_fourth = Singles::turn_numbers([red, green, blue, Singles::splat(kernel, 1.0)]);
+    let [a, b, c, d] = Singles::turn_groups(every_fourth);
+    pulp::cast([a.to_fours(), b.to_fours(), c.to_fours(), d.to_fours()])
 }
 
 /// A part of a colour; what is no number becomes 0.

@@ -492,10 +492,16 @@ pub(super) fn shown<'c>(cell: &'c Cell, leaf: &Leaf, ray: &Local, girth: Girth) 
 fn meet_rough(ask: &mut Ask, rough: &Rough, set: &Shown<'_>, leaf: &Leaf, passage: &Passage) {
     let ray = &passage.ray;
     let line = ray.line(&leaf.leaf_from_cell);
-    if let Some(chord) = set.chord(&line, None).and_then(|it| rough.left(set, &line, it)) {
+    let is_first = ask.question == Question::Nearest;
+    // What is carved away only leaves what lies further on.
+    let chord = set.chord(&line, None).filter(|it| !is_first || ray.world(it.near.t) <= ask.best);
+    // Who asks what is met first, or whether anything is, need not know where what lies ahead ends.
+    let is_enough = |near: f64| (is_first || ask.question == Question::Any) && ray.world(near) > 0.0;
+    if let Some((near, far)) = chord.and_then(|it| rough.ends(set, &line, it, is_enough)) {
         let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
         let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
-        ask.meet(event(chord.near.t), Some(event(chord.far.t)));
+        let beyond = Event { t: f64::INFINITY, ..event(near.t) };
+        ask.meet(event(near.t), Some(far.map_or(beyond, |it| event(it.t))));
     }
 }
 

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::common::scene;
 
-const PLANTS: [&str; 4] = [
+const PLANTS: [&str; 5] = [
     "shape Bush { start repeat 7 as i { [ rotz(137.5 * i) rotx(20 + 8 * i) leaf ] };
        leaf -> repeat 5 as i { rotx(gauss(9, 3)) segment(.3, .12 * (1 - i / 5) ^ .7, .12 * (1 - (i + 1) / 5) ^ .7) }; }",
     "shape Tree { start stem(3, 1, .14);
@@ -18,6 +18,9 @@ const PLANTS: [&str; 4] = [
          if n > 0 { [ rotz(random(0, 360)) rotx(50) stem(n - 1, l * .6, r * .5) ] } }; }",
     "shape Knot { start repeat 12 as i { rotx(70) rotz(40) segment(.3, .15, .1 + .02 * (i % 3)) }; }",
     "shape Mixed { start segment(1, .2, .1) repeat 5 as i { [ rotz(72 * i) rotx(60) segment(.5, .08, .04) uscale(.15) (sphere \\ move(0, 0, 1) box) ] }; }",
+    // More than are drafted at a time.
+    "shape Reeds { start repeat 4500 as i { [ move(.0015 * i - 3.4, .4 * sin(7 * i), 0)
+         segment(1 + .5 * sin(3 * i), .01, .006) if i % 900 == 0 { uscale(.1) (sphere \\ move(0, 0, 1) box) } ] }; }",
 ];
 
 fn rays() -> Vec<Ray> {

@@ -4,7 +4,8 @@
 pub(crate) fn sin_cos(degrees: f64) -> (f64, f64) {
     // The remainder of a division is exact, so huge angles lose nothing here; one within a turn is its own.
     let turned = if degrees.abs() < 360.0 { degrees } else { degrees % 360.0 };
-    let quarter = nearest(turned / 90.0);
+    // Times the inverse, which is quicker: where the nearest is in doubt either will do.
+    let quarter = nearest(turned * (1.0 / 90.0));
     let (sin, cos) = libm::sincos((turned - f64::from(quarter) * 90.0).to_radians());
     // A quarter turn makes (cos, -sin) of (sin, cos). Which it is, is hard to foresee, so nothing is jumped over.
     let (a, b) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use super::path::mix;
 use super::program::{Draft, NumberOp, Operand, Place, Program};
+use super::quick;
 use crate::form::{BinaryOp, Builtin, Code, Draw, Op, Reg, Slot, UnaryOp, Value, Vector};
 
 /// A code, with its program if it has one.
@@ -16,13 +17,16 @@ use crate::form::{BinaryOp, Builtin, Code, Draw, Op, Reg, Slot, UnaryOp, Value, 
 pub struct Formula {
     code: Code,
     program: Option<Program>,
+    /// The results, if they are numbers and always the same.
+    constants: Option<Box<[f64]>>,
 }
 
 impl Formula {
     /// The formula of a code.
     pub fn new(code: Code) -> Self {
         let program = Writer::write(&code);
-        Self { code, program }
+        let constants = program.as_ref().and_then(quick::constants);
+        Self { code, program, constants }
     }
 
     /// The code itself.
@@ -33,6 +37,12 @@ impl Formula {
     /// What does the same with numbers alone.
     pub(super) fn program(&self) -> Option<&Program> {
         self.program.as_ref()
+    }
+
+    /// The results, if they are numbers and always the same.
+    #[inline(always)]
+    pub(super) fn constants(&self) -> Option<&[f64]> {
+        self.constants.as_deref()
     }
 }
 

@@ -18,6 +18,7 @@ pub(crate) type Numbers = SmallVec<[f64; 12]>;
 
 impl Env {
     /// Goes into a copy of a `repeat`.
+    #[inline]
     pub(crate) fn turn(&mut self, index: Slot, number: u32) {
         quick::put(&mut self.slots[usize::from(index.0)], false, f64::from(number));
         self.turn = mix(self.turn, u64::from(number) + 1);

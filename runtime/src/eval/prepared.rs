@@ -28,6 +28,10 @@ impl Machine<'_> {
 
     #[inline]
     fn read_quickly(&mut self, formula: &Formula, env: &mut Env, numbers: &mut [f64]) -> bool {
+        if let Some(constants) = formula.constants() {
+            numbers.iter_mut().zip(constants).for_each(|(number, constant)| *number = *constant);
+            return true;
+        }
         let Some(program) = self.run_program(formula, env) else { return false };
         for (number, place) in numbers.iter_mut().zip(&program.results) {
             if place.is_truth {
@@ -74,6 +78,10 @@ impl Machine<'_> {
 
     #[inline]
     fn find_quickly(&mut self, formula: &Formula, env: &mut Env, values: &mut [Value]) -> bool {
+        if let Some(constants) = formula.constants() {
+            values.iter_mut().zip(constants).for_each(|(value, constant)| put(value, false, *constant));
+            return true;
+        }
         let Some(program) = self.run_program(formula, env) else { return false };
         for (value, place) in values.iter_mut().zip(&program.results) {
             put(value, place.is_truth, self.number_at(*place));

@@ -159,6 +159,18 @@ pub(super) fn run(
     true
 }
 
+/// The results of a program that reads nothing and draws nothing, if they are numbers.
+pub(super) fn constants(program: &Program) -> Option<Box<[f64]>> {
+    let reads = |op: &NumberOp<u8>| matches!(op, NumberOp::Part(..) | NumberOp::Element(..));
+    let is_closed = program.loads.is_empty() && program.draws.is_empty() && !program.ops.iter().any(reads);
+    if !is_closed || program.results.is_empty() || program.results.iter().any(|it| it.is_truth) {
+        return None;
+    }
+    let mut registers = [0.0; MOST_REGISTERS];
+    let done = run(program, &mut Env::default(), &mut registers, |_| 0.0);
+    done.then(|| program.results.iter().map(|it| registers[usize::from(it.operand) % MOST_REGISTERS]).collect())
+}
+
 #[inline(always)]
 fn finite(number: f64) -> Option<f64> {
     number.is_finite().then_some(number)

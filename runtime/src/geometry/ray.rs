@@ -7,6 +7,7 @@ use glam::{DAffine3, DVec3};
 /// The direction need not have length 1: a transformation maps a ray and leaves every t as it is, so t means the same in all
 /// frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Where it starts.
     pub origin: DVec3,

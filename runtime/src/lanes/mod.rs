@@ -64,6 +64,19 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// number `i`.
     fn turn_numbers(self, rows: [f32x16; 4]) -> [f32x16; 4];
 
+    /// Eight times eight numbers with columns for rows.
+    #[inline(always)]
+    fn transposed(self, rows: [f64x8; EIGHT]) -> [f64x8; EIGHT] {
+        let rows: [[f64; EIGHT]; EIGHT] = pulp::cast(rows);
+        let mut columns = [[0.0; EIGHT]; EIGHT];
+        for row in 0..EIGHT {
+            for column in 0..EIGHT {
+                columns[column][row] = rows[row][column];
+            }
+        }
+        pulp::cast(columns)
+    }
+
     /// Does something in code compiled for this SIMD, if all that it calls is inlined.
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R;
 }

@@ -4,7 +4,7 @@ use pulp::x86::V3_512b;
 use pulp::x86::{V3, V4};
 use pulp::{Simd, cast, f32x8, f32x16, f64x4, f64x8, u16x8, u16x16, u32x8, u32x16};
 
-use super::{EACH, EACH16, Kernel};
+use super::{EACH, EACH16, EIGHT, Kernel};
 
 impl Kernel for V4 {
     type Lanes = Self;
@@ -93,6 +93,38 @@ impl Kernel for V4 {
             cast(simd._mm512_unpackhi_pd(low, lower)),
             cast(simd._mm512_unpacklo_pd(high, higher)),
             cast(simd._mm512_unpackhi_pd(high, higher)),
+        ]
+    }
+
+    #[inline(always)]
+    fn transposed(self, rows: [f64x8; EIGHT]) -> [f64x8; EIGHT] {
+        // No `map`: what it calls is not always inlined, and is slow where it is not.
+        let simd = self.avx512f;
+        let [a, b, c, d, e, f, g, h] = rows;
+        let [a, b, c, d] = [cast(a), cast(b), cast(c), cast(d)];
+        let [e, f, g, h] = [cast(e), cast(f), cast(g), cast(h)];
+        // Every other column of four rows, each next to the column that comes four later.
+        let (ab, cd) = (simd._mm512_unpacklo_pd(a, b), simd._mm512_unpacklo_pd(c, d));
+        let (ef, gh) = (simd._mm512_unpacklo_pd(e, f), simd._mm512_unpacklo_pd(g, h));
+        let (first, first_below) =
+            (simd._mm512_shuffle_f64x2::<0x88>(ab, cd), simd._mm512_shuffle_f64x2::<0x88>(ef, gh));
+        let (third, third_below) =
+            (simd._mm512_shuffle_f64x2::<0xdd>(ab, cd), simd._mm512_shuffle_f64x2::<0xdd>(ef, gh));
+        let (ab, cd) = (simd._mm512_unpackhi_pd(a, b), simd._mm512_unpackhi_pd(c, d));
+        let (ef, gh) = (simd._mm512_unpackhi_pd(e, f), simd._mm512_unpackhi_pd(g, h));
+        let (second, second_below) =
+            (simd._mm512_shuffle_f64x2::<0x88>(ab, cd), simd._mm512_shuffle_f64x2::<0x88>(ef, gh));
+        let (fourth, fourth_below) =
+            (simd._mm512_shuffle_f64x2::<0xdd>(ab, cd), simd._mm512_shuffle_f64x2::<0xdd>(ef, gh));
+        [
+            cast(simd._mm512_shuffle_f64x2::<0x88>(first, first_below)),
+            cast(simd._mm512_shuffle_f64x2::<0x88>(second, second_below)),
+            cast(simd._mm512_shuffle_f64x2::<0x88>(third, third_below)),
+            cast(simd._mm512_shuffle_f64x2::<0x88>(fourth, fourth_below)),
+            cast(simd._mm512_shuffle_f64x2::<0xdd>(first, first_below)),
+            cast(simd._mm512_shuffle_f64x2::<0xdd>(second, second_below)),
+            cast(simd._mm512_shuffle_f64x2::<0xdd>(third, third_below)),
+            cast(simd._mm512_shuffle_f64x2::<0xdd>(fourth, fourth_below)),
         ]
     }
 

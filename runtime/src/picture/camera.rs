@@ -1,7 +1,7 @@
 //! The rays of a camera.
 
 use glam::{DVec2, DVec3};
-use pulp::cast;
+use pulp::{Simd, cast};
 
 use crate::form::{Camera, Lens};
 use crate::geometry::Ray;
@@ -116,7 +116,8 @@ impl Task for Through<'_> {
         let lanes = kernel.lanes();
         let (right, up, forward) =
             (Wide3::splat(lanes, *right), Wide3::splat(lanes, *up), Wide3::splat(lanes, *forward));
-        let (pixel, one) = (Wide::splat(lanes, *pixel), Wide::splat(lanes, 1.0));
+        let (pixel, one, eye) = (Wide::splat(lanes, *pixel), Wide::splat(lanes, 1.0), Wide3::splat(lanes, *eye));
+        let (width, spread) = (lanes.splat_f64s(0.0), lanes.splat_f64s(spread));
         for points in points.chunks_exact(EIGHT) {
             let (mut x, mut y) = ([0.0; EIGHT], [0.0; EIGHT]);
             for lane in 0..EIGHT {
@@ -125,10 +126,20 @@ impl Task for Through<'_> {
             let (x, y) = (Wide::new(lanes, cast(x)) * pixel, Wide::new(lanes, cast(y)) * pixel);
             let direction = forward + (right * x + up * y);
             let direction = direction * (one / direction.dot(direction).sqrt());
-            for lane in 0..EIGHT {
-                let ray = Ray { origin: *eye, direction: direction.lane(lane) };
-                beams.push(Beam { ray, width: 0.0, spread });
-            }
+            let (to_x, to_y, to_z) = (direction.x.value, direction.y.value, direction.z.value);
+            let rows: [[f64; EIGHT]; EIGHT] =
+                cast(kernel.transposed([eye.x.value, eye.y.value, eye.z.value, to_x, to_y, to_z, width, spread]));
+            let [a, b, c, d, e, f, g, h] = rows;
+            beams.extend_from_slice(&[
+                Beam::of_numbers(a),
+                Beam::of_numbers(b),
+                Beam::of_numbers(c),
+                Beam::of_numbers(d),
+                Beam::of_numbers(e),
+                Beam::of_numbers(f),
+                Beam::of_numbers(g),
+                Beam::of_numbers(h),
+            ]);
         }
     }
 }

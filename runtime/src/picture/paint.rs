@@ -115,6 +115,7 @@ impl Paint {
     }
 
     /// Its colour on the solid that has this route.
+    #[inline(always)]
     pub(super) fn color(&self, route: u64) -> DVec3 {
         let Some(range) = self.range else {
             return self.linear;

@@ -73,6 +73,9 @@ impl Pixel {
     ///
     /// Sums in double precision of so few single numbers are exact: where all samples are the same, so is their mean.
     pub(super) fn color(&self) -> [f32; 4] {
+        if self.count == 1 {
+            return self.sum.map(|sum| sum as f32);
+        }
         self.sum.map(|sum| (sum / f64::from(self.count.max(1))) as f32)
     }
 }

@@ -178,6 +178,11 @@ impl Shader {
         for (number, fragments) in seen.rays().enumerate() {
             let (number, key) = (number as u32, pass.keys[number]);
             let (beam, root) = (pass.beam(number), pass.root(number));
+            if fragments.is_empty() && pass.roots.is_none() {
+                let (color, alpha) = self.lights.sky.background(beam.ray.direction);
+                sums[number as usize] = Sum { color, alpha };
+                continue;
+            }
             let mut color = DVec3::ZERO;
             let mut open = 1.0;
             for (fragment, (number, lit)) in fragments.iter().zip(&mut lit) {

@@ -77,6 +77,11 @@ impl Sunlight {
     fn own(&mut self, seen: &Seen) {
         self.owners.clear();
         for (ray, fragments) in seen.rays().enumerate() {
+            if fragments.len() < 2 {
+                // Who is alone shares with nobody.
+                self.owners.extend(fragments.first().map(|_| Owner { ray: ray as u32, layer: 0 }));
+                continue;
+            }
             let mut hidden = 0.0;
             for fragment in fragments {
                 let part = (1.0 - hidden) * within(fragment.coverage, 1.0);

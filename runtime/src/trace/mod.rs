@@ -67,6 +67,12 @@ impl Seen {
         self.ends.push(self.fragments.len() as u32);
     }
 
+    /// Ends so many rays that see nothing.
+    pub(crate) fn end_rays(&mut self, count: usize) {
+        let end = self.fragments.len() as u32;
+        self.ends.resize(self.ends.len() + count, end);
+    }
+
     /// How many rays have ended.
     pub fn len(&self) -> usize {
         self.ends.len()
@@ -216,6 +222,7 @@ impl Site {
 ///
 /// At `t` the beam is `width + spread * t` wide, in lengths of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Beam {
     /// Its middle.
     pub ray: Ray,
@@ -229,6 +236,20 @@ impl Beam {
     /// A beam without width: recursion is followed to its end.
     pub fn thin(ray: Ray) -> Self {
         Self { ray, width: 0.0, spread: 0.0 }
+    }
+
+    /// Its eight numbers: origin, direction, width and spread.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> [f64; 8] {
+        let Ray { origin: o, direction: d } = self.ray;
+        [o.x, o.y, o.z, d.x, d.y, d.z, self.width, self.spread]
+    }
+
+    /// The beam of these numbers.
+    #[inline(always)]
+    pub(crate) fn of_numbers([x, y, z, to_x, to_y, to_z, width, spread]: [f64; 8]) -> Self {
+        let ray = Ray { origin: DVec3::new(x, y, z), direction: DVec3::new(to_x, to_y, to_z) };
+        Self { ray, width, spread }
     }
 
     /// How wide it is at `t`; before its start as wide as there.

@@ -213,11 +213,8 @@ impl<'a> Painter<'a> {
     /// Finds what the layers show. Where there is one sample a pixel, that one finds it.
     fn look_through_centres(&mut self) -> Result<(), Stop> {
         for start in (0..self.desk.active.len()).step_by(BATCH) {
-            let end = (start + BATCH).min(self.desk.active.len());
             self.begin_batch();
-            for number in start..end {
-                self.add_ray(self.desk.active[number], 0, DVec2::ZERO);
-            }
+            self.add_rays(start, 0, DVec2::ZERO);
             self.look()?;
             self.keep_centres();
         }
@@ -252,6 +249,13 @@ impl<'a> Painter<'a> {
     fn add_drawn(&mut self, from: u32, to: u32) -> Result<(), Stop> {
         let offsets = self.setting.offsets;
         self.begin_batch();
+        if to - from == 1 {
+            for start in (0..self.desk.active.len()).step_by(BATCH) {
+                self.add_rays(start, from, offsets[from as usize]);
+                self.flush()?;
+            }
+            return Ok(());
+        }
         for number in 0..self.desk.active.len() {
             for (sample, offset) in (from..to).zip(&offsets[from as usize..to as usize]) {
                 self.add_ray(self.desk.active[number], sample, *offset);
@@ -268,11 +272,19 @@ impl<'a> Painter<'a> {
         self.desk.points.clear();
     }
 
+    /// Adds one sample of each active pixel from this one on, as many as a batch has.
+    fn add_rays(&mut self, start: usize, sample: u32, offset: DVec2) {
+        let Desk { active, pixels, keys, points, .. } = &mut self.desk;
+        let slots = &active[start..active.len().min(start + BATCH)];
+        let key = |slot: &u32| Key { slot: *slot, pixel: pixels[*slot as usize].place, sample };
+        keys.extend(slots.iter().map(key));
+        points.extend(keys.iter().map(|it| through(it.pixel, offset)));
+    }
+
     fn add_ray(&mut self, slot: u32, sample: u32, offset: DVec2) {
         let pixel = self.desk.pixels[slot as usize].place;
-        let at = DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset;
         self.desk.keys.push(Key { slot, pixel, sample });
-        self.desk.points.push(at);
+        self.desk.points.push(through(pixel, offset));
     }
 
     fn flush(&mut self) -> Result<(), Stop> {
@@ -361,6 +373,11 @@ impl<'a> Painter<'a> {
         let pixel = self.desk.keys.get(fault.ray).map_or((0, 0), |key| key.pixel);
         Stop::Fault(pixel, Box::new(fault.fault))
     }
+}
+
+/// Where a sample lies that is so far from the middle of its pixel.
+fn through(pixel: (u32, u32), offset: DVec2) -> DVec2 {
+    DVec2::new(f64::from(pixel.0), f64::from(pixel.1)) + 0.5 + offset
 }
 
 /// The places of a square along a Z-curve, so that the rays of a batch lie close together.

@@ -5,26 +5,26 @@
 //! in; then the largest instances, until there are enough members ([`Measure`]). More gains nothing: what makes cells
 //! fast is that they stay in cache.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-use std::ops::Range;
+use std::sync::Arc;
 
 use glam::{DAffine3, DMat3};
 
-use super::bvh::{self, Boxed, area};
+use super::bvh::{self, Boxed};
 use super::cell::{Boolean, COARSE_SIDE, Cell, Frame, Grain, Instance, Leaf, LeafShape, Named, Part, Ref, Union};
+use super::draft::{Draft, Outline, Way, draft};
+use super::merge::Merge;
 use super::piece::{Piece, Shape};
 use super::ray::Inwards;
-use super::store::{Generation, Store, led_by};
+use super::store::{Generation, Store};
 use super::workshop::{Measure, Workshop};
 use crate::abstraction::primitive_bounds;
 use crate::fault::Fault;
-use crate::form::{MaterialId, Origin};
+use crate::form::Origin;
 use crate::geometry::{Aabb, Convex, Primitive};
-use crate::trace::{Bark, Group, Item, Route, Solid, State};
+use crate::trace::Bark;
 
-/// Instances that are merged into one cell by their size.
-const MOST_MERGED: usize = 256;
+/// Pieces above which they are drafted so many at a time.
+const VAST: usize = 4096;
 /// Boxes of a Boolean's operand below which it is not worth a node.
 const WORTH_A_NODE: usize = 4;
 /// How much larger than need be a box may be, in units of the cell.
@@ -39,8 +39,19 @@ const TOLERANCE: f64 = 1e-12;
 pub(super) fn build(store: &Store, generation: &Generation, number: u32, grain: Grain) -> Result<Cell, Fault> {
     let mut shop = store.workshop();
     let state = shop.number_of(&generation.state(number));
-    let drafts = Merge { shop: &mut shop, slots: Vec::new(), heap: BinaryHeap::new() }.run(state, grain)?;
-    lay_out(&mut shop, generation, state, drafts)
+    let pieces = shop.pieces(state)?;
+    if is_vast(&pieces, shop.measure(state).of(grain)) {
+        let way = Way { small: shop.has_small_parts(state)?, ..Way::START };
+        return lay_out(&mut shop, generation, state, Source::Pieces(pieces, way));
+    }
+    let drafts = Merge::new(&mut shop).run(state, grain)?;
+    lay_out(&mut shop, generation, state, Source::Drafts(drafts))
+}
+
+/// Whether there are so many pieces that nothing is merged, and that drafts of all of them at once would take much memory.
+fn is_vast(pieces: &[Piece], measure: Measure) -> bool {
+    let is_member = |piece: &&Piece| !matches!(piece.shape, Shape::Instance(..));
+    pieces.len() > VAST && pieces.iter().filter(is_member).count() >= measure.enough
 }
 
 /// The cell of what the program says shall stand for a state from far away, in the frame of the state's own cell; none if it
@@ -56,303 +67,32 @@ pub(super) fn build_proxy(store: &Store, generation: &Generation, number: u32) -
     };
     let mut drafts = Vec::new();
     draft(&mut shop, &pieces, Way::START, &mut drafts)?;
-    lay_out(&mut shop, generation, state, drafts).map(Some)
+    lay_out(&mut shop, generation, state, Source::Drafts(drafts)).map(Some)
 }
 
-fn lay_out(shop: &mut Workshop, generation: &Generation, state: u32, drafts: Vec<Draft>) -> Result<Cell, Fault> {
+fn lay_out(shop: &mut Workshop, generation: &Generation, state: u32, source: Source) -> Result<Cell, Fault> {
     let frame = shop.frame(state)?;
     let mut layout = Layout { shop, generation, frame, cell: Cell::default() };
     layout.cell.unions.push(Union::default());
-    let (union, whole) = layout.union(drafts, 1)?;
+    let members = layout.members(source)?;
+    let (union, whole) = layout.union_of(members, 1);
     layout.cell.unions[0] = union;
     layout.cell.bounds = if whole.is_finite() { frame.inwards(&whole) } else { Aabb::EMPTY };
     layout.cell.levels = layout.cell.parts.iter().map(|it| it.levels).max().unwrap_or(0);
     Ok(layout.cell.shrunk())
 }
 
-/// A part of a cell to be.
-struct Draft {
-    way: Way,
-    shape: Outline,
+/// What a cell is made of.
+enum Source {
+    Drafts(Vec<Draft>),
+    /// Pieces that are reached in this way.
+    Pieces(Arc<[Piece]>, Way),
 }
 
-/// How a part of a cell is reached.
-#[derive(Clone, Copy)]
-struct Way {
-    state_from_inner: DAffine3,
-    material: Option<MaterialId>,
-    /// The frame in which that paint stands, if its look depends on it.
-    state_from_paint: Option<DAffine3>,
-    route: Route,
-    frozen: bool,
-    levels: u32,
-    /// Whether it leads through a small state.
-    small: bool,
-}
-
-enum Outline {
-    Leaf(Primitive, Origin, Option<Box<Bark>>),
-    Instance(u32, Origin),
-    Boolean { difference: bool, operands: Vec<Vec<Draft>> },
-}
-
-impl Way {
-    const START: Self = Self {
-        state_from_inner: DAffine3::IDENTITY,
-        material: None,
-        state_from_paint: None,
-        route: Route::START,
-        frozen: false,
-        levels: 0,
-        small: false,
-    };
-
-    fn to_piece(self, piece: &Piece) -> Self {
-        self.to(&piece.outer_from_inner, piece.material, piece.outer_from_paint.as_deref(), piece.route)
-    }
-
-    fn to_item(self, item: &Item) -> Self {
-        self.to(&item.group_from_item, item.material, item.group_from_paint.as_deref(), item.route)
-    }
-
-    fn to(
-        self,
-        outer_from_inner: &DAffine3,
-        material: Option<MaterialId>,
-        outer_from_paint: Option<&DAffine3>,
-        route: Route,
-    ) -> Self {
-        let own = || outer_from_paint.map(|it| self.state_from_inner * *it);
-        Self {
-            state_from_inner: self.state_from_inner * *outer_from_inner,
-            material: material.or(self.material),
-            state_from_paint: if material.is_some() { own() } else { self.state_from_paint },
-            route: if self.frozen { self.route } else { self.route.then(route) },
-            ..self
-        }
-    }
-}
-
-/// Puts drafts of the pieces into `drafts`; small states are merged.
-///
-/// It calls itself for Booleans, whose nesting the grammar limits, and for small states, which are not deep.
-fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
-    for piece in pieces {
-        let way = way.to_piece(piece);
-        let shape = match &piece.shape {
-            Shape::Leaf(primitive, origin, bark) => Outline::Leaf((**primitive).clone(), *origin, bark.clone()),
-            Shape::Instance(state, origin) => {
-                draft_state(shop, *state, *origin, way, drafts)?;
-                continue;
-            }
-            Shape::Intersect(operands) => {
-                Outline::Boolean { difference: false, operands: draft_all(shop, operands, way)? }
-            }
-            Shape::Difference(operands) => {
-                Outline::Boolean { difference: true, operands: draft_all(shop, operands, way)? }
-            }
-        };
-        drafts.push(Draft { way, shape });
-    }
-    Ok(())
-}
-
-fn draft_all(shop: &mut Workshop, operands: &[Box<[Piece]>], way: Way) -> Result<Vec<Vec<Draft>>, Fault> {
-    let way = Way { frozen: true, ..way };
-    operands
-        .iter()
-        .map(|pieces| {
-            let mut drafts = Vec::new();
-            draft(shop, pieces, way, &mut drafts).map(|()| drafts)
-        })
-        .collect()
-}
-
-/// Puts a draft of a state into `drafts`, or of what is in it if it is small.
-fn draft_state(
-    shop: &mut Workshop,
-    state: u32,
-    origin: Origin,
-    way: Way,
-    drafts: &mut Vec<Draft>,
-) -> Result<(), Fault> {
-    let way = Way { levels: way.levels + 1, ..way };
-    if !way.small && !shop.is_small(state).map_err(|it| called(shop, state, origin, it))? {
-        drafts.push(Draft { way, shape: Outline::Instance(state, origin) });
-        return Ok(());
-    }
-    // What is in a small state is small as well.
-    let way = Way { small: true, ..way };
-    if shop.is_rare(state) {
-        let state = shop.state(state);
-        return draft_afresh(shop, &state, origin, way, drafts);
-    }
-    let pieces = shop.pieces(state).map_err(|it| called(shop, state, origin, it))?;
-    draft(shop, &pieces, way, drafts)
-}
-
-/// Puts drafts of what is in a small state into `drafts` that is looked at once only: no tables are kept for it.
-fn draft_afresh(
-    shop: &mut Workshop,
-    state: &State,
-    origin: Origin,
-    way: Way,
-    drafts: &mut Vec<Draft>,
-) -> Result<(), Fault> {
-    let led = |shop: &Workshop, fault| led_by(fault, std::iter::once(shop.store.expander.trail_step(state, origin)));
-    let group = shop.expand(state).map_err(|it| led(shop, it))?;
-    draft_group(shop, group, way, drafts).map_err(|it| led(shop, it))
-}
-
-fn draft_group(shop: &mut Workshop, group: Group, way: Way, drafts: &mut Vec<Draft>) -> Result<(), Fault> {
-    for item in group.items {
-        let way = way.to_item(&item);
-        let shape = match item.solid {
-            Solid::Leaf { primitive, origin, bark } => Outline::Leaf(primitive, origin, bark),
-            Solid::Instance(state, origin) if shop.store.survey.is_rare(&state) => {
-                draft_afresh(shop, &state, origin, Way { levels: way.levels + 1, ..way }, drafts)?;
-                continue;
-            }
-            Solid::Instance(state, origin) => {
-                let state = shop.number(state);
-                draft_state(shop, state, origin, way, drafts)?;
-                continue;
-            }
-            Solid::Intersect(operands) => {
-                Outline::Boolean { difference: false, operands: draft_groups(shop, operands, way)? }
-            }
-            Solid::Difference(first, others) => {
-                let operands = std::iter::once(*first).chain(others);
-                Outline::Boolean { difference: true, operands: draft_groups(shop, operands, way)? }
-            }
-        };
-        drafts.push(Draft { way, shape });
-    }
-    Ok(())
-}
-
-fn draft_groups(
-    shop: &mut Workshop,
-    operands: impl IntoIterator<Item = Group>,
-    way: Way,
-) -> Result<Vec<Vec<Draft>>, Fault> {
-    let way = Way { frozen: true, ..way };
-    operands
-        .into_iter()
-        .map(|group| {
-            let mut drafts = Vec::new();
-            draft_group(shop, group, way, &mut drafts).map(|()| drafts)
-        })
-        .collect()
-}
-
-fn called(shop: &mut Workshop, state: u32, origin: Origin, fault: Fault) -> Fault {
-    led_by(fault, std::iter::once(shop.step(state, origin)))
-}
-
-/// Merging: a list of drafts in which some instances stand for what replaced them.
-struct Merge<'w, 'a, 's> {
-    shop: &'w mut Workshop<'a, 's>,
-    slots: Vec<Slot>,
-    heap: BinaryHeap<Candidate>,
-}
-
-struct Slot {
-    draft: Draft,
-    /// The slots that stand for it once it is merged.
-    merged: Option<Range<usize>>,
-}
-
-/// An instance that may be merged: the largest first, among equals the first one.
-struct Candidate {
-    area: f64,
-    slot: usize,
-}
-
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Candidate {}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.area.total_cmp(&other.area).then(other.slot.cmp(&self.slot))
-    }
-}
-
-impl Merge<'_, '_, '_> {
-    fn run(mut self, state: u32, grain: Grain) -> Result<Vec<Draft>, Fault> {
-        let Measure { enough, most, .. } = self.shop.measure(state).of(grain);
-        let top = self.open(state, Way::START)?;
-        let mut members = top.len();
-        let mut merged = 0;
-        while members < enough && merged < MOST_MERGED {
-            let Some(Candidate { slot, .. }) = self.heap.pop() else {
-                break;
-            };
-            let Outline::Instance(state, origin) = self.slots[slot].draft.shape else {
-                continue;
-            };
-            let way = self.slots[slot].draft.way;
-            let before = self.slots.len();
-            let range = self.open(state, way).map_err(|it| called(self.shop, state, origin, it))?;
-            if members - 1 + range.len() > most {
-                self.slots.truncate(before);
-                self.heap.retain(|it| it.slot < before);
-                continue;
-            }
-            members = members - 1 + range.len();
-            merged += 1;
-            self.slots[slot].merged = Some(range);
-        }
-        Ok(self.in_order(top))
-    }
-
-    /// Adds slots for what is in a state.
-    fn open(&mut self, state: u32, way: Way) -> Result<Range<usize>, Fault> {
-        let mut drafts = Vec::new();
-        let pieces = self.shop.pieces(state)?;
-        let small = way.small || self.shop.has_small_parts(state)?;
-        draft(self.shop, &pieces, Way { small, ..way }, &mut drafts)?;
-        let start = self.slots.len();
-        for draft in drafts {
-            if let Outline::Instance(state, _) = draft.shape {
-                let bounds = self.shop.loose_through(state, &draft.way.state_from_inner)?.bounds;
-                let area = if bounds.is_empty() || bounds.is_finite() { area(&bounds) } else { f64::INFINITY };
-                self.heap.push(Candidate { area, slot: self.slots.len() });
-            }
-            self.slots.push(Slot { draft, merged: None });
-        }
-        Ok(start..self.slots.len())
-    }
-
-    /// The drafts that are left, in the order written.
-    fn in_order(self, top: Range<usize>) -> Vec<Draft> {
-        let mut slots: Vec<Option<Slot>> = self.slots.into_iter().map(Some).collect();
-        let mut drafts = Vec::new();
-        let mut ahead = vec![top];
-        while let Some(mut range) = ahead.pop() {
-            let Some(number) = range.next() else {
-                continue;
-            };
-            ahead.push(range);
-            match slots[number].take() {
-                Some(Slot { merged: Some(inner), .. }) => ahead.push(inner),
-                Some(Slot { draft, merged: None }) => drafts.push(draft),
-                None => {}
-            }
-        }
-        drafts
-    }
+/// Members of a union, with the box of each and of all in the state's frame.
+struct Members {
+    members: Vec<(Ref, Aabb)>,
+    whole: Aabb,
 }
 
 /// Lays a cell out.
@@ -364,17 +104,46 @@ struct Layout<'w, 'a, 's> {
 }
 
 impl Layout<'_, '_, '_> {
-    /// A union of drafts, and its box in the state's frame. Fewer than `least` boxes do without a node.
-    fn union(&mut self, drafts: Vec<Draft>, least: usize) -> Result<(Union, Aabb), Fault> {
-        let mut whole = Aabb::EMPTY;
-        let mut members = Vec::with_capacity(drafts.len());
+    /// The members that a cell is made of.
+    fn members(&mut self, source: Source) -> Result<Members, Fault> {
+        let mut all = Members { members: Vec::new(), whole: Aabb::EMPTY };
+        match source {
+            Source::Drafts(drafts) => self.add(drafts, &mut all)?,
+            Source::Pieces(pieces, way) => {
+                // What grows by doubling takes twice as much for a while.
+                all.members.reserve(pieces.len());
+                self.cell.leaves.reserve(pieces.len());
+                self.cell.parts.reserve(pieces.len());
+                for some in pieces.chunks(VAST) {
+                    let mut drafts = Vec::new();
+                    draft(self.shop, some, way, &mut drafts)?;
+                    self.add(drafts, &mut all)?;
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// Adds drafts to the members of a union.
+    fn add(&mut self, drafts: Vec<Draft>, to: &mut Members) -> Result<(), Fault> {
+        to.members.reserve(drafts.len());
         for draft in drafts {
             let (item, bounds) = self.member(draft)?;
             if !bounds.is_empty() {
-                whole = whole.union(&bounds);
-                members.push((item, bounds));
+                to.whole = to.whole.union(&bounds);
+                to.members.push((item, bounds));
             }
         }
+        Ok(())
+    }
+
+    /// A union of drafts, and its box in the state's frame. Fewer than `least` boxes do without a node.
+    fn union(&mut self, drafts: Vec<Draft>, least: usize) -> Result<(Union, Aabb), Fault> {
+        let members = self.members(Source::Drafts(drafts))?;
+        Ok(self.union_of(members, least))
+    }
+
+    fn union_of(&mut self, Members { members, whole }: Members, least: usize) -> (Union, Aabb) {
         let frame = self.frame;
         let has_box = |bounds: &Aabb| bounds.is_finite() && frame.holds(bounds);
         let with_box = members.iter().filter(|(_, bounds)| has_box(bounds)).count();
@@ -386,7 +155,7 @@ impl Layout<'_, '_, '_> {
             .map(|(item, bounds)| Boxed { bounds: frame.inwards(bounds), item: *item })
             .collect();
         let root = bvh::build(&mut self.cell.nodes, items);
-        Ok((Union { root, always }, whole))
+        (Union { root, always }, whole)
     }
 
     fn member(&mut self, draft: Draft) -> Result<(Ref, Aabb), Fault> {

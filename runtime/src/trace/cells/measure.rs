@@ -177,6 +177,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
         let cell = self.cell(&self.generation)?;
         let mut resolver = Resolver::of_cell(self.tracing.store, &self.generation, cell, &self.way);
         resolver.see(notes, &Hit { ray, girth, depth, found, number: 0 }, Some(self.measuring), seen)?;
+        resolver.straighten(self.tracing.kernel, seen);
         seen.end_ray();
         Ok(())
     }

@@ -17,8 +17,10 @@ mod build;
 mod bvh;
 mod cell;
 mod deep;
+mod draft;
 mod ending;
 mod measure;
+mod merge;
 mod packet;
 mod piece;
 mod plants;
@@ -38,9 +40,9 @@ pub use store::Counts;
 use glam::DVec3;
 
 use self::ask::{Ask, Found, Girth, NONE, Notes, Question};
-use self::boxes::BoxRay;
+use self::boxes::{BoxRay, lanes_of};
 use self::cell::{Cell, Grain};
-use self::packet::{PacketAsk, PacketScratch, PacketSearch, RAYS};
+use self::packet::{Packet, PacketAsk, PacketScratch, PacketSearch, RAYS, Start};
 use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
@@ -137,12 +139,6 @@ impl Tracer for CellTracer<'_> {
     fn finite_bounds(&self) -> Result<Aabb, Fault> {
         self.store.finite_bounds()
     }
-}
-
-/// A beam that may start on a surface.
-trait Start {
-    /// The beam, and the surface.
-    fn beam(&self) -> (Beam, Option<&Site>);
 }
 
 impl Start for Beam {
@@ -270,29 +266,27 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// What the beams of a packet see.
     #[inline(always)]
     fn look_all<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
-        let (packet, from) = gathered(beams);
-        let mut ask = PacketAsk::new(Question::Nearest, all_of(beams.len()), &packet, from);
+        let packet = Packet::new(self.tracing.kernel, beams);
+        let mut ask = PacketAsk::new(Question::Nearest, &packet);
         if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
             return self.look_each(beams, seen);
         }
-        for number in 0..beams.len() {
+        let seeing = if self.notes.veils.is_empty() { ask.met(self.tracing.kernel) | ask.over } else { u32::MAX };
+        let mut done = 0;
+        for number in lanes_of(seeing).take_while(|it| *it < beams.len()) {
+            seen.end_rays(number - done);
+            done = number + 1;
+            let (beam, from) = beams[number].beam();
             let looked = if ask.over >> number & 1 == 1 {
-                self.look_out(&packet[number], from[number], seen)
+                self.look_out(&beam, from, seen)
             } else {
                 let (depth, found) = ask.found(number);
-                self.see(
-                    &Hit {
-                        ray: &packet[number].ray,
-                        girth: Girth::of(&packet[number]),
-                        number: number as u8,
-                        depth,
-                        found,
-                    },
-                    seen,
-                )
+                self.see(&Hit { ray: &beam.ray, girth: Girth::of(&beam), number: number as u8, depth, found }, seen)
             };
             looked.map_err(|fault| RayFault { ray: number, fault })?;
         }
+        seen.end_rays(beams.len() - done);
+        self.resolver.straighten(self.tracing.kernel, seen);
         Ok(())
     }
 
@@ -304,6 +298,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             let (beam, from) = beam.beam();
             self.look(&beam, from, seen).map_err(|fault| RayFault { ray: number, fault })?;
         }
+        self.resolver.straighten(self.tracing.kernel, seen);
         Ok(())
     }
 
@@ -382,8 +377,8 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// How much light comes to the beams of a packet.
     #[inline(always)]
     fn light_all(&mut self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let (packet, from) = gathered(beams);
-        let mut ask = PacketAsk::new(Question::Any, all_of(beams.len()), &packet, from);
+        let packet = Packet::new(self.tracing.kernel, beams);
+        let mut ask = PacketAsk::new(Question::Any, &packet);
         ask.leaving = leaving(beams, normals);
         if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
             return self.light_each(beams, ask.leaving, light);
@@ -411,7 +406,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// Asks along the beams of a packet. If one of them has met a fault, or there is no room for a cell of the scene, they
     /// have to ask one by one.
     #[inline(always)]
-    fn ask_together(&mut self, ask: &mut PacketAsk, packet: &[Beam; RAYS]) -> bool {
+    fn ask_together(&mut self, ask: &mut PacketAsk, packet: &Packet<'_, K::Lanes>) -> bool {
         let Some(cell) = self.root() else {
             return false;
         };
@@ -472,25 +467,9 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     }
 }
 
-/// The beams of a packet and the surfaces that they start on. Lanes that are left are filled with the first beam.
-#[inline(always)]
-fn gathered<B: Start>(beams: &[B]) -> ([Beam; RAYS], [Option<&Site>; RAYS]) {
-    let mut packet = [beams[0].beam().0; RAYS];
-    let mut from = [None; RAYS];
-    for (number, it) in beams.iter().enumerate() {
-        (packet[number], from[number]) = it.beam();
-    }
-    (packet, from)
-}
-
 /// The beams that go away from the surfaces that they start on, one bit each, as far as their normals tell.
 #[inline(always)]
 fn leaving(beams: &[SurfaceBeam], normals: &[DVec3]) -> u32 {
     let leaves = |(beam, normal): (&SurfaceBeam, &DVec3)| normal.dot(beam.beam.ray.direction) > 0.0;
     beams.iter().zip(normals).enumerate().fold(0, |bits, (number, it)| bits | u32::from(leaves(it)) << number)
-}
-
-/// The bits of so many rays.
-fn all_of(rays: usize) -> u32 {
-    ((1_u64 << rays) - 1) as u32
 }

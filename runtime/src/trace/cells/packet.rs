@@ -12,11 +12,11 @@ use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
-use super::traverse::{Passage, SINGLE, Scratch, Start, Tracing, is_left, look_at, rough_set};
+use super::traverse::{Passage, SINGLE, Scratch, Start as Beginning, Tracing, is_left, look_at, rough_set};
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Pierced, Shown};
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, lane_of, negative16};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, Wide3, lane_of, negative16};
 use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
@@ -26,6 +26,55 @@ const FEW: u32 = 2;
 
 /// The numbers of the rays on the packet's two halves.
 type Halves<T> = [T; 2];
+
+/// A beam that may start on a surface.
+pub(super) trait Start {
+    /// The beam, and the surface.
+    fn beam(&self) -> (Beam, Option<&Site>);
+}
+
+/// Sixteen beams side by side. Lanes that are left are filled with the first beam.
+pub(super) struct Packet<'q, S: Simd> {
+    origin: Halves<Wide3<S>>,
+    direction: Halves<Wide3<S>>,
+    width: Halves<f64x8>,
+    spread: Halves<f64x8>,
+    /// The surfaces that they start on.
+    from: [Option<&'q Site>; RAYS],
+    /// The lanes that are not left, one bit each,
+    asking: u32,
+    /// and those of beams that go through the solid that they start on.
+    through: u32,
+}
+
+impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
+    /// Of at most sixteen beams, and at least one.
+    #[inline(always)]
+    pub(super) fn new<K: Kernel<Lanes = S>>(kernel: K, beams: &'q [impl Start]) -> Self {
+        let lanes = kernel.lanes();
+        let zero = Wide::splat(lanes, 0.0);
+        let nowhere = Wide3 { x: zero, y: zero, z: zero };
+        let (mut from, mut through) = ([None; RAYS], 0);
+        let (mut origin, mut direction) = ([nowhere; 2], [nowhere; 2]);
+        let (mut width, mut spread) = ([zero.value; 2], [zero.value; 2]);
+        for half in 0..2 {
+            let mut rows = [zero.value; EIGHT];
+            for lane in 0..EIGHT {
+                let number = half * EIGHT + lane;
+                let (beam, site) = beams.get(number).unwrap_or(&beams[0]).beam();
+                rows[lane] = pulp::cast(beam.numbers());
+                from[number] = site;
+                through |= u32::from(site.is_some_and(Site::is_through)) << number;
+            }
+            let [x, y, z, to_x, to_y, to_z, wide, spreading] = kernel.transposed(rows);
+            origin[half] = Wide3 { x: Wide::new(lanes, x), y: Wide::new(lanes, y), z: Wide::new(lanes, z) };
+            direction[half] = Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) };
+            (width[half], spread[half]) = (wide, spreading);
+        }
+        let asking = ((1_u64 << beams.len()) - 1) as u32;
+        Self { origin, direction, width, spread, from, asking, through }
+    }
+}
 
 /// What all rays of a packet ask, and what they have found.
 pub(super) struct PacketAsk<'q> {
@@ -53,16 +102,13 @@ pub(super) struct PacketAsk<'q> {
 }
 
 impl<'q> PacketAsk<'q> {
-    /// A question along the beams of the bits that are set.
+    /// A question along the beams of a packet.
     #[inline(always)]
-    pub(super) fn new(question: Question, asking: u32, beams: &[Beam; RAYS], from: [Option<&'q Site>; RAYS]) -> Self {
-        let (mut width, mut spread) = ([[0.0; EIGHT]; 2], [[0.0; EIGHT]; 2]);
-        for (number, beam) in beams.iter().enumerate() {
-            width[number / EIGHT][number % EIGHT] = beam.width;
-            spread[number / EIGHT][number % EIGHT] = beam.spread;
-        }
-        let is_through = |it: &Option<&Site>| it.is_some_and(Site::is_through);
-        let through = from.iter().enumerate().fold(0, |bits, (ray, it)| bits | u32::from(is_through(it)) << ray);
+    pub(super) fn new<S>(question: Question, packet: &Packet<'q, S>) -> Self
+    where
+        S: Simd<f64s = f64x8>,
+    {
+        let Packet { asking, from, through, width, spread, .. } = *packet;
         Self {
             question,
             from,
@@ -70,14 +116,24 @@ impl<'q> PacketAsk<'q> {
             through,
             asking,
             over: 0,
-            width: pulp::cast(width),
-            spread: pulp::cast(spread),
+            width,
+            spread,
             best: [pulp::cast([f64::INFINITY; EIGHT]); 2],
             found: [pulp::cast([Found::NOTHING.0; EIGHT]); 2],
             loss: [Loss::default(); RAYS],
             changes: 0,
             steps: 0,
         }
+    }
+
+    /// The rays that have found something.
+    #[inline(always)]
+    pub(super) fn met<K: Kernel>(&self, kernel: K) -> u32 {
+        let lanes = kernel.lanes();
+        let nothing = lanes.splat_u64s(Found::NOTHING.0);
+        let low = kernel.bits(lanes.equal_u64s(self.found[0], nothing));
+        let high = kernel.bits(lanes.equal_u64s(self.found[1], nothing));
+        !(low | high << EIGHT) & 0xffff
     }
 
     /// How much light comes to a ray.
@@ -261,7 +317,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         &mut self,
         cell: &'g Cell,
         state: u32,
-        beams: &[Beam; RAYS],
+        packet: &Packet<'_, K::Lanes>,
         cell_from_world: &Inwards,
     ) -> Result<(), Fault> {
         self.scratch.ahead.clear();
@@ -278,10 +334,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             }
         };
         (frame.cell, frame.way) = (cell, way);
-        let (low, high) = beams.split_at(EIGHT);
-        let lanes = kernel.lanes();
-        frame.rays.local =
-            [Locals::of_world(lanes, low, cell_from_world), Locals::of_world(lanes, high, cell_from_world)];
+        for half in 0..2 {
+            frame.rays.local[half] = Locals::of_world(packet.origin[half], packet.direction[half], cell_from_world);
+        }
         frame.rays.boxes = BoxRays::new(kernel, &frame.rays.local, asking);
         frame.starting = 0;
         for ray in lanes_of(asking) {
@@ -356,7 +411,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             return Ok(());
         };
         for ray in lanes_of(rays) {
-            let start = Start { cell: frame.cell, passage: frame.passage(ray) };
+            let start = Beginning { cell: frame.cell, passage: frame.passage(ray) };
             let mut ask = self.ask.of_ray(ray, self.notes);
             tracing.kernel.vectorize(
                 #[inline(always)]

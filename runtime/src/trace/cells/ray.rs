@@ -7,7 +7,6 @@ use super::ask::Girth;
 use crate::abstraction;
 use crate::geometry::{Aabb, Lines, Ray};
 use crate::lanes::{EIGHT, One, Wide, Wide3};
-use crate::trace::Beam;
 
 /// A ray in the frame of a cell, with a direction of about length 1 and an origin of its own: the point nearest the
 /// cell's centre.
@@ -311,17 +310,9 @@ impl<S: Simd<f64s = f64x8>> Locals<S> {
         Self { origin: vector, direction: vector, offset: zero, scale: zero, inverse_scale: zero }
     }
 
-    /// The rays of eight beams of the world in the frame of a cell.
+    /// Rays of the world in the frame of a cell.
     #[inline(always)]
-    pub(super) fn of_world(lanes: S, beams: &[Beam], cell_from_world: &Inwards) -> Self {
-        let (mut origin, mut direction) = ([[0.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
-        for (lane, Beam { ray, .. }) in beams.iter().enumerate().take(EIGHT) {
-            for axis in 0..3 {
-                origin[axis][lane] = ray.origin[axis];
-                direction[axis][lane] = ray.direction[axis];
-            }
-        }
-        let (origin, direction) = (Wide3::of_arrays(lanes, origin), Wide3::of_arrays(lanes, direction));
+    pub(super) fn of_world(origin: Wide3<S>, direction: Wide3<S>, cell_from_world: &Inwards) -> Self {
         Locals::from_world(origin, direction).entered(cell_from_world).0
     }
 

@@ -19,6 +19,7 @@ use super::traverse::rough_set;
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::{Ray, Shown};
+use crate::lanes::{EIGHT, Kernel, Wide, Wide3};
 use crate::texture::Rough;
 use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
@@ -32,6 +33,9 @@ pub(super) struct Hit<'r> {
     pub(super) found: Found,
 }
 
+/// Up to so many parts on a way are held in place.
+const SHORT: usize = 12;
+
 /// Finds out about hits in one generation of cells.
 pub(super) struct Resolver<'a, 's, 'g> {
     store: &'a Store<'s>,
@@ -41,6 +45,19 @@ pub(super) struct Resolver<'a, 's, 'g> {
     /// The cell that the last hit was in, and the one before: what rays see through veils alternates with these.
     place: Option<Box<Place<'g>>>,
     other: Option<Box<Place<'g>>>,
+    /// The fragments whose normals are not done.
+    flats: Vec<Flat>,
+}
+
+/// A fragment on a flat face, whose normal points outwards and has some length.
+#[derive(Clone, Copy)]
+struct Flat {
+    /// Its number.
+    fragment: usize,
+    /// Where the ray goes that sees it.
+    direction: DVec3,
+    /// Whether the normal is to be turned over; if that is not known, it is to point to where the ray comes from.
+    turned: Option<bool>,
 }
 
 /// Where ways begin.
@@ -54,8 +71,10 @@ enum Root<'a> {
 pub(super) struct Place<'g> {
     trail: u32,
     pub(super) cell: Held<'g>,
-    /// The numbers of the parts on the way.
-    pub(super) path: SmallVec<[u32; 12]>,
+    /// The numbers of the parts on the way,
+    pub(super) path: SmallVec<[u32; SHORT]>,
+    /// and the same with room for one more, if that is little.
+    short_path: Option<[u32; SHORT]>,
     /// The ways into the cells on the way, as far as those are kept.
     ways: SmallVec<[&'g Inwards; 8]>,
     pub(super) material: Option<MaterialId>,
@@ -150,7 +169,15 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         root: u32,
         cell_from_world: &'a Inwards,
     ) -> Self {
-        Self { store, generation, root: Root::State(root), cell_from_world, place: None, other: None }
+        Self {
+            store,
+            generation,
+            root: Root::State(root),
+            cell_from_world,
+            place: None,
+            other: None,
+            flats: Vec::new(),
+        }
     }
 
     /// For rays through a cell by itself.
@@ -160,7 +187,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         root: &'a Cell,
         cell_from_world: &'a Inwards,
     ) -> Self {
-        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None, other: None }
+        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None, other: None, flats: Vec::new() }
     }
 
     /// Forgets where the last hit was: trails are about to be made anew.
@@ -188,10 +215,25 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
         let mark = hit.found.mark();
         self.go(notes, mark)?;
-        if let Some(place) = &self.place {
-            self.see_surface(place, mark, hit, seen);
+        if let Some(place) = self.place.take() {
+            self.see_surface(&place, mark, hit, seen);
+            self.place = Some(place);
         }
         Ok(())
+    }
+
+    /// Gives all normals that are not done the length 1 and their direction, several at once.
+    ///
+    /// [`Resolver::see`] leaves that to whoever has let some rays see.
+    pub(super) fn straighten<K: Kernel>(&mut self, kernel: K, seen: &mut Seen) {
+        if self.flats.is_empty() {
+            return;
+        }
+        kernel.vectorize(
+            #[inline(always)]
+            || straighten(kernel, &self.flats, seen.fragments_mut()),
+        );
+        self.flats.clear();
     }
 
     /// A ray in the frame of a place.
@@ -279,6 +321,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             trail: mark.trail,
             cell: self.held_root()?,
             path: SmallVec::new(),
+            short_path: None,
             ways: SmallVec::new(),
             material: None,
             standing: None,
@@ -313,39 +356,52 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             place.cell_from_world = cell_from_world;
             place.cell = self.inside(place.cell, Which::noted(*number, state))?;
         }
+        if path.len() < SHORT {
+            let mut short = [0; SHORT];
+            short[..path.len()].copy_from_slice(&path);
+            place.short_path = Some(short);
+        }
         place.path = path;
         Ok(place)
     }
 
     /// Adds the surface where a ray ends.
     #[inline]
-    fn see_surface(&self, place: &Place, mark: Mark, hit: &Hit, seen: &mut Seen) {
+    fn see_surface(&mut self, place: &Place, mark: Mark, hit: &Hit, seen: &mut Seen) {
         let cell = self.cell_of(place);
         let Some(part) = cell.parts.get(mark.part as usize) else {
             return;
         };
+        let mut flat = None;
         let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                let (outwards, face) = match self.flat_normal(place, leaf, mark) {
-                    Some(normal) => (normal, u32::from(mark.face)),
-                    None => self.shaped_normal(place, (leaf, part), mark, hit),
-                };
-                let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
-                (if turned { -outwards } else { outwards }, 0.0, face)
+                match self.flat_normal(place, leaf, mark) {
+                    Some(outwards) => {
+                        let turned = leaf.solid.then(|| hit.found.is_flipped());
+                        let fragment = seen.fragments().len();
+                        flat = Some(Flat { fragment, direction: hit.ray.direction, turned });
+                        (outwards, 0.0, u32::from(mark.face))
+                    }
+                    None => {
+                        let (outwards, face) = self.shaped_normal(place, (leaf, part), mark, hit);
+                        let turned =
+                            if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
+                        (if turned { -outwards } else { outwards }, 0.0, face)
+                    }
+                }
             }
             // The closed box that stands for an instance inside a Boolean.
             _ => (-hit.ray.direction.normalize(), 0.5, 0),
         };
-        let mut path = SmallVec::from_slice(&place.path);
-        path.push(mark.part);
         seen.push(Fragment {
             spread,
             material: part.material.or(place.material),
             route: place.route_to(part),
-            site: Site { path, face },
+            site: Site { path: place.path_to(mark.part), face },
             ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
+        self.flats.extend(flat);
         self.stand(place, mark.part, (hit.ray, hit.depth), seen);
         self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
     }
@@ -397,7 +453,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
     }
 
-    /// The normal of a flat face of a convex primitive in the world. The frames of such primitives are such that nothing here is out of
+    /// A vector along the normal of a flat face of a convex primitive in the world, outwards. The frames of such primitives are such that nothing here is out of
     /// range ([`LeafShape::Convex`], [`near_one`]).
     #[inline(always)]
     fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
@@ -405,7 +461,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             return None;
         };
         let normal = transposed(&leaf.leaf_from_cell.matrix3, convex.flat_normal(u32::from(mark.face))?);
-        Some(transposed(&place.cell_from_world, normal).normalize())
+        Some(transposed(&place.cell_from_world, normal))
     }
 
     /// The normal in the world where a ray meets any other surface, and the face.
@@ -479,9 +535,47 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 }
 
 impl Place<'_> {
+    /// The numbers of the parts on the way to a part.
+    #[inline(always)]
+    fn path_to(&self, part: u32) -> SmallVec<[u32; SHORT]> {
+        match self.short_path {
+            // Copied whole, since what is copied in part is copied by a call.
+            Some(mut short) => {
+                let length = self.path.len();
+                short[length] = part;
+                SmallVec::from_buf_and_len(short, length + 1)
+            }
+            None => self.path.iter().copied().chain([part]).collect(),
+        }
+    }
+
     /// A hash of the whole route to a part.
     pub(super) fn route_to(&self, part: &Part) -> u64 {
         if self.frozen { self.route } else { self.route.then(part.route) }.hash()
+    }
+}
+
+/// As [`Resolver::straighten`].
+#[inline(always)]
+fn straighten<K: Kernel>(kernel: K, flats: &[Flat], fragments: &mut [Fragment]) {
+    let lanes = kernel.lanes();
+    let (zero, one) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, 1.0));
+    for flats in flats.chunks(EIGHT) {
+        let (mut normals, mut directions) = ([[1.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
+        for (lane, Flat { fragment, direction, .. }) in flats.iter().enumerate() {
+            let normal = fragments[*fragment].normal;
+            for axis in 0..3 {
+                (normals[axis][lane], directions[axis][lane]) = (normal[axis], direction[axis]);
+            }
+        }
+        let normal = Wide3::of_arrays(lanes, normals);
+        let normal = normal * (one / normal.dot(normal).sqrt());
+        let away = kernel.bits(normal.dot(Wide3::of_arrays(lanes, directions)).gt(zero).value);
+        for (lane, Flat { fragment, turned, .. }) in flats.iter().enumerate() {
+            let turned = turned.unwrap_or(away >> lane & 1 == 1);
+            let normal = normal.lane(lane);
+            fragments[*fragment].normal = if turned { -normal } else { normal };
+        }
     }
 }
 

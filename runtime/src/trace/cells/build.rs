@@ -41,8 +41,8 @@ pub(super) fn build(store: &Store, generation: &Generation, number: u32, grain: 
     let state = shop.number_of(&generation.state(number));
     let pieces = shop.pieces(state)?;
     if is_vast(&pieces, shop.measure(state).of(grain)) {
-        let way = Way { small: shop.has_small_parts(state)?, ..Way::START };
-        return lay_out(&mut shop, generation, state, Source::Pieces(pieces, way));
+        let small = shop.has_small_parts(state)?;
+        return lay_out(&mut shop, generation, state, Source::Pieces(pieces, small));
     }
     let drafts = Merge::new(&mut shop).run(state, grain)?;
     lay_out(&mut shop, generation, state, Source::Drafts(drafts))
@@ -85,8 +85,8 @@ fn lay_out(shop: &mut Workshop, generation: &Generation, state: u32, source: Sou
 /// What a cell is made of.
 enum Source {
     Drafts(Vec<Draft>),
-    /// Pieces that are reached in this way.
-    Pieces(Arc<[Piece]>, Way),
+    /// Pieces that are reached from the state's frame; whether the state has small parts.
+    Pieces(Arc<[Piece]>, bool),
 }
 
 /// Members of a union, with the box of each and of all in the state's frame.
@@ -109,14 +109,14 @@ impl Layout<'_, '_, '_> {
         let mut all = Members { members: Vec::new(), whole: Aabb::EMPTY };
         match source {
             Source::Drafts(drafts) => self.add(drafts, &mut all)?,
-            Source::Pieces(pieces, way) => {
+            Source::Pieces(pieces, small) => {
                 // What grows by doubling takes twice as much for a while.
                 all.members.reserve(pieces.len());
                 self.cell.leaves.reserve(pieces.len());
                 self.cell.parts.reserve(pieces.len());
                 for some in pieces.chunks(VAST) {
                     let mut drafts = Vec::new();
-                    draft(self.shop, some, way, &mut drafts)?;
+                    draft(self.shop, some, Way { small, ..Way::START }, &mut drafts)?;
                     self.add(drafts, &mut all)?;
                 }
             }

@@ -59,10 +59,10 @@ impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
         let (mut width, mut spread) = ([zero.value; 2], [zero.value; 2]);
         for half in 0..2 {
             let mut rows = [zero.value; EIGHT];
-            for lane in 0..EIGHT {
+            for (lane, row) in rows.iter_mut().enumerate() {
                 let number = half * EIGHT + lane;
                 let (beam, site) = beams.get(number).unwrap_or(&beams[0]).beam();
-                rows[lane] = pulp::cast(beam.numbers());
+                *row = pulp::cast(beam.numbers());
                 from[number] = site;
                 through |= u32::from(site.is_some_and(Site::is_through)) << number;
             }

@@ -195,6 +195,7 @@ mod tests {
             planes,
             strides,
             steps,
+            booleans,
             intervals,
             primitives,
             triangles,
@@ -204,7 +205,8 @@ mod tests {
             // How pictures look is no limit.
             lod: _,
         } = limits;
-        let small = [depth, calls, repeat, list, items, rules, modules, segments, planes, intervals].map(u64::from);
+        let small =
+            [depth, calls, repeat, list, items, rules, modules, segments, planes, booleans, intervals].map(u64::from);
         let large = [operations, strides, steps, primitives, triangles, mesh_triangles, mesh_nodes, cell_bytes];
         let mut changed: Vec<u64> = small.iter().chain(&large).map(|it| it - 7).collect();
         let mut defaults: Vec<u64> = RAISED.iter().map(|it| (it.of)(&Limits::default())).collect();

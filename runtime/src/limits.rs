@@ -61,7 +61,7 @@ impl Default for Limits {
             planes: 16_384,
             strides: 100_000_000,
             steps: 10_000_000,
-            booleans: 65_536,
+            booleans: 32_768,
             intervals: 4096,
             primitives: 10_000_000,
             triangles: 4_000_000,

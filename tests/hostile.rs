@@ -354,9 +354,12 @@ fn what_is_large_costs_what_is_seen_of_it() {
                 T -> uscale(random(.3,.5)) sphere; }",
             "fine",
         ),
-        // Two thousand balls on each ray, and a hundred differences inside one another.
+        // Two thousand balls on each ray.
         ("csg S { start repeat 2000 as i { move(i * 1e-4, 0, 0) sphere }; }", "fine"),
-        ("csg S { start T(100); T(n) if n == 0 -> sphere; T(n) -> uscale(1.001) box \\ T(n - 1); }", "fine"),
+        // A thousand differences inside one another, and seventy hundreds of them; four hundred are too many.
+        ("csg S { start T(1000); T(n) if n == 0 -> sphere; T(n) -> uscale(1.001) box \\ T(n - 1); }", "fine"),
+        ("csg S { start T(70); T(n) if n == 0 -> sphere; T(n) -> <100: box \\ (>T(n - 1)<100: )>; }", "fine"),
+        ("csg S { start T(400); T(n) if n == 0 -> sphere; T(n) -> <100: box \\ (>T(n - 1)<100: )>; }", "E0929"),
         // Mirrors that face each other.
         (
             "material M { mirror: 1 } scene { camera { eye: (0,0,0), target: (0,1,0) }

@@ -75,6 +75,7 @@ fn a_lower_limit_never_makes_what_was_refused_pass() {
             "shape A { start a(4); a(n) if n > 0 -> segment(1, .1, .1) [ rotx(30) a(n - 1) ] [ rotx(-30) a(n - 1) ]; }",
         ),
         ("strides", "shape A { start a(9); a(n) if n > 0 -> segment(1, .1, .1) rotx(3) a(n - 1); }"),
+        ("booleans", "csg A { start a(30); a(n) if n == 0 -> sphere; a(n) -> uscale(2) box & a(n - 1); }"),
         ("steps", "csg A { start repeat 30 as i { move(i, 0, 0) box }; }"),
         ("intervals", "csg A { start box & (repeat 30 as i { move(0, i * .05 - .8, 0) scale(2, .01, 2) box }); }"),
     ];

@@ -128,6 +128,7 @@ const RAISED: &[Raised] = raised![
     "strides", "steps of one derivation's walks, and operations of their expressions", strides: u64, Some(Limit::Strides), Change::Allow(1 << 48);
     "planes", "planes of one hull, with the modules that stand for planes", planes: u32, Some(Limit::Planes), Change::Allow(16_384);
     "steps", "boxes and primitives that one ray may meet", steps: u64, Some(Limit::Steps), Change::Allow(1 << 48);
+    "booleans", "intersections and differences in one another, on one ray", booleans: u32, Some(Limit::Booleans), MANY;
     "intervals", "pieces of one ray inside solids", intervals: u32, Some(Limit::Intervals), MANY;
     "primitives", "primitives that treegen inspect --expand writes", primitives: u64, Some(Limit::Primitives), Change::Option("--limit N");
     "triangles", "triangles of a mesh that is written", triangles: u64, Some(Limit::Triangles), Change::Option("--triangles N");
@@ -194,6 +195,7 @@ mod tests {
             planes,
             strides,
             steps,
+            booleans,
             intervals,
             primitives,
             triangles,
@@ -203,7 +205,8 @@ mod tests {
             // How pictures look is no limit.
             lod: _,
         } = limits;
-        let small = [depth, calls, repeat, list, items, rules, modules, segments, planes, intervals].map(u64::from);
+        let small =
+            [depth, calls, repeat, list, items, rules, modules, segments, planes, booleans, intervals].map(u64::from);
         let large = [operations, strides, steps, primitives, triangles, mesh_triangles, mesh_nodes, cell_bytes];
         let mut changed: Vec<u64> = small.iter().chain(&large).map(|it| it - 7).collect();
         let mut defaults: Vec<u64> = RAISED.iter().map(|it| (it.of)(&Limits::default())).collect();

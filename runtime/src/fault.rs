@@ -182,6 +182,8 @@ pub enum Limit {
     Strides,
     /// Steps of one ray through the scene.
     Steps,
+    /// Booleans inside one another, on one ray.
+    Booleans,
     /// Intervals on one ray.
     Intervals,
     /// Primitives of an exported scene.

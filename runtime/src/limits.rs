@@ -27,6 +27,8 @@ pub struct Limits {
     pub strides: u64,
     /// Boxes and primitives that one ray may meet.
     pub steps: u64,
+    /// Booleans inside one another, on one ray.
+    pub booleans: u32,
     /// Intervals on one ray.
     pub intervals: u32,
     /// Primitives of an exported scene; places where there is nothing count, too.
@@ -58,7 +60,8 @@ impl Default for Limits {
             segments: 4_000_000,
             planes: 16_384,
             strides: 100_000_000,
-            steps: 100_000_000,
+            steps: 10_000_000,
+            booleans: 32_768,
             intervals: 4096,
             primitives: 10_000_000,
             triangles: 4_000_000,

@@ -51,6 +51,7 @@ const MODULES: &[&str] = &[
     "csg S { start T(DEPTH - 2); T(n) if n <= 0 -> box; T(n) -> move(.01, 0, 0) rotz(1) T(n - 1) | sphere; }",
     "csg S { start T(DEPTH - 2); T(n) if n <= 0 -> box; T(n) -> box & T(n - 1); }",
     "csg S { start T(DEPTH - 2); T(n) if n <= 0 -> box; T(n) -> uscale(2) sphere \\ (box \\ T(n - 1)); }",
+    "csg S { start T(DEPTH - 2); T(n) if n <= 0 -> box; T(n) -> box & (box | uscale(.5) sphere \\ T(n - 1)); }",
     "csg S { start T(DEPTH - 2); T(n) if n <= 0 -> box; T(n) -> rotz(random(0, 9)) T(n - 1); }",
     "csg S { var n = DEPTH - 2; start T; T if n <= 0 -> box; T -> { n = n - 1 } T; }",
     "csg S(n = DEPTH - 1) { start if n <= 0 { box } else { S(n - 1) }; }",

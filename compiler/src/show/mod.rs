@@ -21,7 +21,11 @@ const MOST_BYTES: usize = 64 << 10;
 /// Puts problems into the order of the text, each once.
 pub fn sort(problems: &mut Vec<Problem>) {
     problems.sort_by(|a, b| (a.span(), a.code, &a.message).cmp(&(b.span(), b.code, &b.message)));
-    problems.dedup();
+    // Where a name is told to hide the built-in one that is meant, the warning that it hides one says nothing more.
+    let is_said = |next: &Problem, before: &Problem| {
+        next == before || (next.code, before.code) == ("W0004", "E0307") && next.span() == before.span()
+    };
+    problems.dedup_by(|next, before| is_said(next, before));
 }
 
 /// Writes problems for people, at most a hundred of them and 64 KiB, errors first if there are more, then how many are left.

@@ -245,6 +245,7 @@ pub(crate) fn limit_code(limit: Limit) -> &'static str {
         Limit::MeshTriangles => "E0910",
         Limit::Planes => "E0927",
         Limit::Cells => "E0928",
+        Limit::Booleans => "E0929",
     }
 }
 
@@ -257,6 +258,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::List => "a list has more values than the limit",
         Limit::Nodes => "one part of the form has more pieces than the limit",
         Limit::Steps => "a ray meets more than the limit",
+        Limit::Booleans => "intersections and differences stand in one another beyond the limit",
         Limit::Intervals => "a ray goes in and out more often than the limit",
         Limit::Pixels => "the picture has more pixels than the limit",
         Limit::Rules => "a derivation applies more rules than the limit",

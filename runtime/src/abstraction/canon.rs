@@ -28,11 +28,13 @@ const MOST_EXACT: usize = 1 << 15;
 const MOST_MODEST: usize = 1 << 10;
 /// Calls in the states of a search, all together.
 const MOST_CALLS: usize = 1 << 17;
-/// Calls in the states of a search whose sketches are kept until they are needed: each takes half a kilobyte. Of more than these, states
+/// Parts in the states of a search whose sketches are kept until they are needed: each takes half a kilobyte. Of more than these, states
 /// are drawn again.
 const MOST_SKETCHED: usize = 1 << 14;
-/// Calls in the states of one cycle, which are all needed at once.
+/// Parts in the states of one cycle, which are all needed at once.
 const MOST_ROUND: usize = 1 << 14;
+/// Nodes of the states of a search, all together, for each state that it may have.
+const WORK: u64 = 1 << 7;
 /// States of a run that turn out to lead to too many, after which no other one is tried.
 const MOST_TRIED: u32 = 16;
 /// States with any numbers that are kept before all of them are forgotten.
@@ -48,6 +50,10 @@ struct Node {
     sketch: Option<Box<Sketch>>,
     /// Where it leads to, once that has been looked at, and the places of the calls.
     next: Option<Box<[(u32, Origin)]>>,
+    /// How many parts its sketch has, whether that is kept or not.
+    weight: u32,
+    /// How many nodes it goes through.
+    work: u64,
     extent: Option<Box<Extent>>,
     exact: Option<bool>,
     /// Whether it leads to no more than [`MOST_MODEST`].
@@ -182,23 +188,38 @@ impl Canon {
         let number = self.nodes.len() as u32;
         let state = Arc::new(state);
         self.numbers.insert(Arc::clone(&state), number);
-        self.nodes.push(Node { state, sketch: None, next: None, extent: None, exact: None, modest: None });
+        self.nodes.push(Node {
+            state,
+            sketch: None,
+            next: None,
+            weight: 0,
+            work: 0,
+            extent: None,
+            exact: None,
+            modest: None,
+        });
         self.seen.push((0, 0));
         number
     }
 
-    /// Looks where a state leads to; its sketch may be kept, since it is likely to be needed soon.
-    fn look(&mut self, flow: &Flow, number: u32, keep_sketch: bool) {
+    /// Looks where a state leads to; its sketch may be kept, since it is likely to be needed soon. Gives the weight of what is kept anew.
+    fn look(&mut self, flow: &Flow, number: u32, keep_sketch: bool) -> usize {
         if self.nodes[number as usize].next.is_some() {
-            return;
+            return 0;
         }
         let state = Arc::clone(&self.nodes[number as usize].state);
+        let before = self.walker.work();
         let drawn = self.walker.draw(flow, &state);
+        let work = self.walker.work() - before;
         let successors = drawn.successors.into_iter();
         let next = successors.map(|it| (self.number(Self::coarse(flow, it.state)), it.called)).collect();
         let node = &mut self.nodes[number as usize];
+        let weight = drawn.sketch.weight();
         node.next = Some(next);
+        node.weight = u32::try_from(weight).unwrap_or(u32::MAX);
+        node.work = work;
         node.sketch = keep_sketch.then(|| Box::new(drawn.sketch));
+        if keep_sketch { weight } else { 0 }
     }
 
     /// All states that one leads to; none if they are more than `most`, too deep inside one another, or one of them has too many.
@@ -217,7 +238,9 @@ impl Canon {
         self.searches += 1;
         let search = self.searches;
         self.seen[found[0].0 as usize] = (search, 0);
-        let (mut at, mut level, mut level_end, mut calls) = (0, 0, 1, 0);
+        let (mut at, mut level, mut level_end) = (0, 0, 1);
+        let (mut calls, mut sketched, mut work) = (0, 0, 0);
+        let most_work = most as u64 * WORK;
         while at < found.len() {
             if at == level_end {
                 (level, level_end) = (level + 1, found.len());
@@ -226,7 +249,7 @@ impl Canon {
             if self.nodes[number as usize].exact == Some(false) || level > self.depth.saturating_add(1) {
                 return false;
             }
-            self.look(flow, number, calls < MOST_SKETCHED);
+            sketched += self.look(flow, number, sketched < MOST_SKETCHED);
             let next = self.nodes[number as usize].next.as_deref().unwrap_or_default();
             for (inner, called) in next {
                 let seen = &mut self.seen[*inner as usize];
@@ -239,9 +262,35 @@ impl Canon {
             if found.len() > most || calls > MOST_CALLS {
                 return false;
             }
+            work += self.nodes[number as usize].work;
+            if work > 2 * most_work {
+                break;
+            }
             at += 1;
         }
-        true
+        if work > most_work {
+            self.too_much(found);
+        }
+        work <= most_work
+    }
+
+    /// Notes of the states of a search which of them lead to too much by themselves. A search goes on to twice of what is too much: so of a long
+    /// recursion half of the states that it looked at are known then, and need no search of their own.
+    fn too_much(&mut self, found: &Found) {
+        let mut work: Vec<u64> = found.iter().map(|it| self.nodes[it.0 as usize].work).collect();
+        for place in (0..found.len()).rev() {
+            let (number, from, _) = found[place];
+            let node = &mut self.nodes[number as usize];
+            if work[place] > MOST_EXACT as u64 * WORK {
+                node.exact = Some(false);
+            }
+            if work[place] > MOST_MODEST as u64 * WORK {
+                node.modest = Some(false);
+            }
+            if place > 0 {
+                work[from as usize] += work[place];
+            }
+        }
     }
 
     /// Whether what a state amounts to is found from the states it leads to one by one. If so, it is found.
@@ -279,8 +328,8 @@ impl Canon {
             inner.map(|it| self.seen[it.0 as usize].1)
         };
         let components = cycles::components(found.len(), 0, next);
-        let calls = |it: &u32| self.nodes[found[*it as usize].0 as usize].next.as_deref().unwrap_or_default().len();
-        if components.iter().any(|it| it.len() > 1 && it.iter().map(calls).sum::<usize>() > MOST_ROUND) {
+        let weight = |it: &u32| self.nodes[found[*it as usize].0 as usize].weight as usize;
+        if components.iter().any(|it| it.len() > 1 && it.iter().map(weight).sum::<usize>() > MOST_ROUND) {
             return Ok(false);
         }
         for component in &components {

@@ -22,6 +22,10 @@ const MOST_KEYS: usize = 64;
 const PATIENCE: u32 = 3;
 /// States that a run looks at, again and again; then nothing is known.
 const MOST_DRAWN: u32 = 4096;
+/// Parts of all of these; then nothing is known either.
+const MOST_PARTS: usize = 1 << 16;
+/// Nodes that a run goes through; then nothing is known either.
+const MOST_WORK: u64 = 1 << 22;
 
 /// What a run does with a state that a state leads to.
 #[expect(clippy::large_enum_variant, reason = "there is one at a time")]
@@ -169,7 +173,7 @@ impl<'f> Run<'f> {
         walker: &mut Walker,
         mut meet: impl FnMut(AbstractState, bool) -> Result<Meeting, Fault>,
     ) -> Result<bool, Fault> {
-        let mut looked_at = 0;
+        let (mut looked_at, mut parts, work) = (0, 0, walker.work());
         while let Some(number) = self.ahead.pop_front() {
             let node = &mut self.nodes[number as usize];
             node.waits = false;
@@ -182,6 +186,10 @@ impl<'f> Run<'f> {
             }
             let state = node.state.clone();
             let mut drawn = walker.draw(self.flow, &state);
+            parts += drawn.sketch.weight();
+            if parts > MOST_PARTS || walker.work() - work > MOST_WORK {
+                return Ok(false);
+            }
             let mut targets = Vec::with_capacity(drawn.successors.len());
             let mut calls = Vec::with_capacity(drawn.successors.len());
             for successor in std::mem::take(&mut drawn.successors) {

@@ -143,6 +143,17 @@ impl Sketch {
         self.primitives = self.primitives.saturating_add(copies);
     }
 
+    /// How many parts and operands it is made of: each takes about half a kilobyte.
+    pub(crate) fn weight(&self) -> usize {
+        let of = |part: &Part| match &part.what {
+            What::State(_) => 1,
+            What::Intersect(operands) | What::Difference(operands) => {
+                1 + operands.iter().map(Self::weight).sum::<usize>()
+            }
+        };
+        1 + self.parts.iter().map(of).sum::<usize>()
+    }
+
     /// What it amounts to, by what is known of the successors.
     pub(crate) fn extent(&self, known: &impl Fn(u32) -> Extent) -> Extent {
         let mut all = Vec::with_capacity(self.parts.len() + 1);

@@ -71,7 +71,12 @@ pub(crate) struct Walker {
     stretches: u64,
     /// How often slots have changed so far.
     time: u32,
+    /// Nodes gone through so far; primitives count as more.
+    work: u64,
 }
+
+/// Nodes that a primitive counts as: finding how far it reaches in all directions takes longer than all else.
+const PRIMITIVE: u64 = 8;
 
 /// What a plant counts as: too much to be small.
 const MANY: u64 = 1 << 20;
@@ -96,7 +101,13 @@ impl Walker {
             successors: Vec::new(),
             stretches: 1,
             time: 0,
+            work: 0,
         }
+    }
+
+    /// How many nodes it has gone through; primitives count as more.
+    pub(crate) fn work(&self) -> u64 {
+        self.work
     }
 
     /// The abstract state that a state is: the path is forgotten.
@@ -229,9 +240,11 @@ impl Walker {
     fn go(&mut self, flow: &Flow, sketch: &mut Sketch, node: NodeId, mut here: Here) {
         let mut node = node;
         loop {
+            self.work += 1;
             match flow.graph.node(node) {
                 Node::Empty => return,
                 Node::Primitive { kind, code, .. } => {
+                    self.work += PRIMITIVE;
                     if let Fixed::Primitive(primitive) = flow.fixed(node) {
                         if let Some(primitive) = primitive {
                             let loose = bounds_of(primitive, &here.way);

@@ -103,23 +103,36 @@ impl<S: Copy> Intervals<S> {
 
     /// What lies in any of `lists`; an earlier list counts as the first operand.
     pub fn union_of(lists: &[Self], tolerance: f64) -> Self {
-        let mut gathered = Gathered::new();
+        let mut gathered = Gathered::default();
         for (rank, list) in lists.iter().enumerate() {
             gathered.extend(&list.list, rank as u32);
         }
-        gathered.union(tolerance)
+        gathered.union(0, tolerance)
     }
 }
 
 /// The pieces inside the operands of a union, in any order; each knows the rank of its operand, which is less the earlier it was written.
+/// Those of unions inside one another lie one after another, the innermost last.
+#[derive(Debug)]
 pub(crate) struct Gathered<S> {
-    pieces: SmallVec<[Ranked<S>; 8]>,
+    pieces: Vec<Ranked<S>>,
+}
+
+impl<S> Default for Gathered<S> {
+    fn default() -> Self {
+        Self { pieces: Vec::new() }
+    }
 }
 
 impl<S: Copy> Gathered<S> {
-    /// None yet.
-    pub(crate) fn new() -> Self {
-        Self { pieces: SmallVec::new() }
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Forgets all.
+    pub(crate) fn clear(&mut self) {
+        self.pieces.clear();
     }
 
     /// Adds a piece inside the operand of a rank.
@@ -133,29 +146,36 @@ impl<S: Copy> Gathered<S> {
         pieces.iter().for_each(|it| self.add(*it, rank));
     }
 
-    /// What lies in any of them.
-    pub(crate) fn union(mut self, tolerance: f64) -> Intervals<S> {
-        self.pieces.sort_unstable_by(|a, b| a.near.0.t.total_cmp(&b.near.0.t).then(a.near.1.cmp(&b.near.1)));
-        let mut builder = Builder::new();
-        let mut pieces = self.pieces.into_iter();
-        let Some(mut current) = pieces.next() else {
-            return Intervals::empty();
-        };
-        for piece in pieces {
-            if piece.near.0.t <= current.far.0.t || same(piece.near.0.t, current.far.0.t, tolerance) {
-                current = current.with(piece, tolerance);
-            } else {
-                builder.add(Interval { near: current.near.0, far: current.far.0 });
-                current = piece;
-            }
-        }
-        builder.add(Interval { near: current.near.0, far: current.far.0 });
-        builder.list()
+    /// What lies in any of those from number `first` on, which are forgotten.
+    pub(crate) fn union(&mut self, first: usize, tolerance: f64) -> Intervals<S> {
+        let united = self.pieces.get_mut(first..).map_or_else(Intervals::empty, |it| union(it, tolerance));
+        self.pieces.truncate(first);
+        united
     }
 }
 
+/// What lies in any of some pieces.
+fn union<S: Copy>(pieces: &mut [Ranked<S>], tolerance: f64) -> Intervals<S> {
+    pieces.sort_unstable_by(|a, b| a.near.0.t.total_cmp(&b.near.0.t).then(a.near.1.cmp(&b.near.1)));
+    let mut builder = Builder::new();
+    let mut pieces = pieces.iter().copied();
+    let Some(mut current) = pieces.next() else {
+        return Intervals::empty();
+    };
+    for piece in pieces {
+        if piece.near.0.t <= current.far.0.t || same(piece.near.0.t, current.far.0.t, tolerance) {
+            current = current.with(piece, tolerance);
+        } else {
+            builder.add(Interval { near: current.near.0, far: current.far.0 });
+            current = piece;
+        }
+    }
+    builder.add(Interval { near: current.near.0, far: current.far.0 });
+    builder.list()
+}
+
 /// A piece whose ends know the ranks of their operands.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Ranked<S> {
     near: (End<S>, u32),
     far: (End<S>, u32),
@@ -343,9 +363,9 @@ mod tests {
             for _ in 0..pieces.len() {
                 pieces.rotate_left(1);
                 pieces.swap(0, 1);
-                let mut gathered = Gathered::new();
+                let mut gathered = Gathered::default();
                 pieces.iter().for_each(|(piece, rank)| gathered.add(*piece, *rank));
-                assert_eq!(gathered.union(0.0), expected, "{pieces:?}");
+                assert_eq!(gathered.union(0, 0.0), expected, "{pieces:?}");
             }
         }
     }

@@ -22,6 +22,9 @@ use crate::geometry::{Aabb, Hide, Intervals, Joints, Part, Primitive, Ray, Rind}
 use crate::limits::Limits;
 use crate::texture::Roughs;
 
+/// Numbers on the way to a primitive that count as a step: they are kept with each of its surfaces.
+const PLACES: u64 = 16;
+
 /// Traces rays through a scene by the book.
 #[derive(Debug)]
 pub struct Reference<'s> {
@@ -52,6 +55,7 @@ impl<'s> Reference<'s> {
             from,
             surfaces: Vec::new(),
             selected: 0,
+            steps: 0,
         };
         let env = walk.machine.root(graph)?;
         let here = Here {
@@ -64,6 +68,7 @@ impl<'s> Reference<'s> {
             env,
             site: SmallVec::new(),
             depth: 0,
+            booleans: 0,
         };
         let line = walk.pass(graph.system(graph.root()).start, here)?;
         Ok(Walked { line, surfaces: walk.surfaces, selected: walk.selected })
@@ -217,6 +222,8 @@ struct Here {
     site: SmallVec<[u32; 12]>,
     /// How many modules and systems it is inside.
     depth: u32,
+    /// How many Booleans it is inside.
+    booleans: u32,
 }
 
 impl Here {
@@ -245,6 +252,8 @@ struct Walk<'w, 's> {
     from: Option<&'w Site>,
     surfaces: Vec<Surface>,
     selected: u32,
+    /// Primitives met so far, with the numbers on the way to each, which are kept with its surfaces.
+    steps: u64,
 }
 
 impl Walk<'_, '_> {
@@ -344,8 +353,7 @@ impl Walk<'_, '_> {
     ) -> Result<Line, Fault> {
         here.depth += 1;
         let result = if here.depth > self.limits.depth {
-            let most = u64::from(self.limits.depth);
-            Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most }, step.origin))
+            Err(limit(Limit::Depth, self.limits.depth.into(), step.origin))
         } else {
             go(self, here)
         };
@@ -384,6 +392,10 @@ impl Walk<'_, '_> {
     fn solid_operand(&mut self, operand: NodeId, number: usize, here: &Here) -> Result<Intervals<u32>, Fault> {
         let mut here = here.operand(number);
         here.frozen = true;
+        here.booleans += 1;
+        if here.booleans > self.limits.booleans {
+            return Err(limit(Limit::Booleans, self.limits.booleans.into(), Origin::NONE));
+        }
         let line = self.pass(operand, here)?;
         match line.crossings.first() {
             None => Ok(line.inside),
@@ -413,6 +425,10 @@ impl Walk<'_, '_> {
         here: &Here,
     ) -> Result<Line, Fault> {
         let rind = bark.map(|it| it.rind);
+        self.steps += 1 + here.site.len() as u64 / PLACES;
+        if self.steps > self.limits.steps {
+            return Err(limit(Limit::Steps, self.limits.steps, Origin::NONE));
+        }
         if self.goes_through(here) {
             return Ok(Line::empty());
         }
@@ -529,6 +545,10 @@ impl shapes::Taker for Parts<'_, '_, '_> {
         self.lines.push(line);
         Ok(())
     }
+}
+
+fn limit(limit: Limit, most: u64, origin: Origin) -> Fault {
+    Fault::new(FaultKind::Limit { limit, most }, origin)
 }
 
 fn union(lines: Vec<Line>) -> Line {

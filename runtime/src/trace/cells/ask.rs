@@ -97,6 +97,11 @@ impl Trails {
         self.0.len() as u32 - 1
     }
 
+    /// Forgets a way, and all that were made after it.
+    pub(super) fn forget_from(&mut self, trail: u32) {
+        self.0.truncate(trail as usize);
+    }
+
     /// The numbers on the way to a surface, that of its own part included.
     pub(super) fn path(&self, mark: Mark) -> SmallVec<[u32; 12]> {
         let mut path: SmallVec<[u32; 12]> = SmallVec::new();

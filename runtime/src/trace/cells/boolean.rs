@@ -2,18 +2,22 @@
 //!
 //! An operand is looked at only where the ones before it leave something.
 
+use std::mem;
+
 use smallvec::SmallVec;
 
+use super::ROOT;
 use super::ask::{Ask, Mark, NONE};
+use super::begun::{Begun, Gathering, Inside, Operation, Stacks};
 use super::boxes::{BoxRay, lanes_of};
 use super::cell::{Boolean, Cell, Grain, Instance, Leaf, LeafShape, Named, Ref, Union};
-use super::deep::{deeper, further};
+use super::deep::deeper;
 use super::ray::{Local, Steps};
-use super::store::Generation;
+use super::store::{Generation, led_by};
 use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{End, FACE, Gathered, Interval, Intervals, Pierced, Primitive, Side};
+use crate::geometry::{End, FACE, Interval, Intervals, Pierced, Primitive, Side};
 use crate::lanes::{Kernel, One};
 
 /// The pieces of a ray inside something.
@@ -42,17 +46,26 @@ pub(super) struct Place<'c> {
 }
 
 /// The stretch of a ray that is asked for: pieces are right in there, and may begin and end anywhere else where they go on beyond it.
-type Range = (f64, f64);
+pub(super) type Range = (f64, f64);
 
 /// What ends a search early. A fault as such is large, and would be moved about with every line.
 type Stop = Box<Fault>;
 
 /// The search for pieces along one ray.
+///
+/// However deep Booleans and cells stand in one another, it takes no stack: what was begun and waits for what is inside it lies on
+/// [`Stacks`].
 pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
     pub(super) tracing: &'a Tracing<'a, 's, K>,
     pub(super) generation: &'g Generation,
     pub(super) ask: &'a mut Ask<'q>,
+    pub(super) stacks: &'a mut Stacks<'g>,
+    /// Where the ray is.
+    pub(super) place: Place<'g>,
 }
+
+/// The pieces inside something; nothing if it was begun and waits for what is inside it.
+type Known = Option<Line>;
 
 impl<'c> Place<'c> {
     /// A ray in a cell.
@@ -61,56 +74,167 @@ impl<'c> Place<'c> {
         let (ray, shift) = if from == NONE { (near, 0.0) } else { (near.counted_from_start(), near.own(0.0)) };
         Self { cell, ray, boxes, shift, from, position: position as usize, trail, levels, unit }
     }
+
+    /// The same ray in a cell inside this one, and how places on it there are places on it here. `near` is the ray there from the point
+    /// nearest the centre.
+    fn inside<'i>(
+        &self,
+        ask: &mut Ask,
+        instance: &Instance,
+        cell: &'i Cell,
+        near: (Local, Steps),
+    ) -> (Place<'i>, Steps) {
+        let position = self.position + 1;
+        let from = if self.from == instance.part { ask.start_part(position) } else { NONE };
+        let (ray, steps) = if from == NONE { near } else { self.ray.entered_at_start(&instance.way) };
+        // Boxes are always met from the point nearest the centre.
+        let near = near.0;
+        let boxes = if instance.way.is_straight() {
+            self.boxes.moved(near.origin)
+        } else {
+            BoxRay::new(near.origin, near.direction)
+        };
+        let place = Place {
+            cell,
+            ray,
+            boxes,
+            shift: if from == NONE { 0.0 } else { near.own(0.0) },
+            from,
+            position,
+            trail: ask.notes.trails.on(self.trail, instance.part),
+            levels: self.levels + self.cell.parts[instance.part as usize].levels,
+            unit: self.unit * instance.way.unit,
+        };
+        (place, steps)
+    }
 }
 
-impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
-    /// The pieces inside a Boolean.
-    pub(super) fn boolean(&mut self, place: &Place, boolean: &Boolean, range: Range) -> Result<Line, Stop> {
-        let mut operands = boolean.operands.clone();
-        let tolerance = boolean.tolerance;
-        let Some(first) = operands.next() else {
-            return Ok(Line::empty());
-        };
-        let mut line = self.union(place, first, range, tolerance)?.within(range);
-        for operand in operands {
-            let (Some(start), Some(end)) = (line.as_slice().first(), line.as_slice().last()) else {
+impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
+    /// The pieces inside a Boolean of the cell.
+    pub(super) fn of_boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<Line, Stop> {
+        self.stacks.clear();
+        let known = self.boolean(boolean, range);
+        self.finish(known)
+    }
+
+    /// The pieces inside the whole cell.
+    fn of_cell(&mut self, called: Origin, range: Range, tolerance: f64) -> Result<Line, Stop> {
+        let known = self.whole(called, range, tolerance);
+        self.finish(known)
+    }
+
+    /// Goes on with what was begun, to the end.
+    fn finish(&mut self, mut known: Result<Known, Stop>) -> Result<Line, Stop> {
+        loop {
+            let inside = match known {
+                Ok(inside) => inside,
+                Err(fault) => return Err(self.led(*fault)),
+            };
+            known = match self.stacks.begun.last() {
+                None => return Ok(inside.unwrap_or_else(Line::empty)),
+                Some(Begun::Boolean(_)) => self.operate(inside),
+                Some(Begun::Union(union)) => self.gather(*union, inside),
+                Some(Begun::Cell(_)) => Ok(self.leave(inside)),
+            };
+        }
+    }
+
+    /// Adds the cells on the way to a fault.
+    #[cold]
+    fn led(&self, fault: Fault) -> Stop {
+        self.stacks
+            .begun
+            .iter()
+            .rev()
+            .fold(fault, |fault, begun| match begun {
+                Begun::Cell(Inside { state, called, .. }) => self.led_into(fault, *state, *called),
+                Begun::Boolean(_) | Begun::Union(_) => fault,
+            })
+            .into()
+    }
+
+    /// Adds a state to a fault.
+    #[cold]
+    fn led_into(&self, fault: Fault, state: u32, called: Origin) -> Fault {
+        led_by(fault, std::iter::once(self.tracing.store.step(self.generation, state, called)))
+    }
+
+    fn boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<Known, Stop> {
+        let most = self.tracing.store.limits.booleans;
+        if self.stacks.booleans >= most {
+            return Err(limit(Limit::Booleans, most));
+        }
+        self.stacks.booleans += 1;
+        self.stacks.begun.push(Begun::Boolean(Operation::new(boolean, range)));
+        Ok(None)
+    }
+
+    /// Goes on with the innermost Boolean.
+    fn operate(&mut self, mut known: Known) -> Result<Known, Stop> {
+        loop {
+            let Some(Begun::Boolean(operation)) = self.stacks.begun.last_mut() else {
+                return Ok(known);
+            };
+            if let Some(line) = known {
+                check(operation.take(line), self.tracing.store.limits.intervals)?;
+            }
+            let Some((operand, range)) = operation.next() else {
                 break;
             };
-            let range = (range.0.max(start.near.t - tolerance), range.1.min(end.far.t + tolerance));
-            let other = self.union(place, operand, range, tolerance)?;
-            line = if boolean.difference {
-                line.difference(&other, tolerance)
-            } else {
-                line.intersection(&other, tolerance)
-            };
-            self.check(&line)?;
+            let tolerance = operation.boolean.tolerance;
+            known = self.union(operand, range, tolerance)?;
+            if known.is_none() {
+                return Ok(None);
+            }
         }
-        Ok(line)
+        self.stacks.booleans -= 1;
+        match self.stacks.begun.pop() {
+            Some(Begun::Boolean(Operation { line: Some(line), .. })) => Ok(Some(line)),
+            _ => Ok(Some(Line::empty())),
+        }
     }
 
-    /// The pieces inside a union of a cell.
-    fn union(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Stop> {
-        let union = &place.cell.unions[number as usize];
+    fn union(&mut self, number: u32, range: Range, tolerance: f64) -> Result<Known, Stop> {
+        let union = &self.place.cell.unions[number as usize];
         if let (None, [only]) = (union.root, &*union.always) {
-            return self.member(place, *only, range, tolerance);
+            return self.member(*only, range, tolerance);
         }
-        let mut gathered = Gathered::new();
-        for member in self.members(place, union, range)? {
-            // Coincident surfaces are the first one's.
-            let rank = first_part(place.cell, member);
-            let line = self.member(place, member, range, tolerance)?.within(range);
-            gathered.extend(line.as_slice(), rank);
-        }
-        let line = gathered.union(tolerance);
-        self.check(&line)?;
-        Ok(line)
+        let (members, pieces) = (self.stacks.members.len(), self.stacks.gathered.len());
+        self.members(union, range)?;
+        self.stacks.begun.push(Begun::Union(Gathering { range, tolerance, members, pieces }));
+        Ok(None)
     }
 
-    /// The members of a union whose boxes the ray meets.
-    fn members(&mut self, place: &Place, union: &Union, range: Range) -> Result<SmallVec<[Ref; 16]>, Stop> {
-        let mut members: SmallVec<[Ref; 16]> = SmallVec::from_slice(&union.always);
+    /// Goes on with the innermost union.
+    fn gather(&mut self, union: Gathering, mut known: Known) -> Result<Known, Stop> {
+        loop {
+            if let Some(line) = known
+                && let Some(member) = self.stacks.members.pop()
+            {
+                // Coincident surfaces are the first one's.
+                let rank = first_part(self.place.cell, member);
+                self.stacks.gathered.extend(line.within(union.range).as_slice(), rank);
+            }
+            let Some(member) = self.stacks.members.get(union.members..).and_then(<[Ref]>::last).copied() else {
+                break;
+            };
+            known = self.member(member, union.range, union.tolerance)?;
+            if known.is_none() {
+                return Ok(None);
+            }
+        }
+        self.stacks.begun.pop();
+        let line = self.stacks.gathered.union(union.pieces, union.tolerance);
+        check(&line, self.tracing.store.limits.intervals)?;
+        Ok(Some(line))
+    }
+
+    /// Puts the members of a union whose boxes the ray meets on their stack.
+    fn members(&mut self, union: &Union, range: Range) -> Result<(), Stop> {
+        let (tracing, place, members) = (self.tracing, &self.place, &mut self.stacks.members);
+        let first = members.len();
+        members.extend_from_slice(&union.always);
         let mut nodes: SmallVec<[u32; 16]> = union.root.into_iter().collect();
-        let tracing = self.tracing;
         let (from, to) = (f32_below(range.0 + place.shift), f32_above(range.1 + place.shift));
         while let Some(number) = nodes.pop() {
             self.ask.step(tracing.store.limits.steps)?;
@@ -126,20 +250,24 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
                 }
             }
         }
-        Ok(members)
+        // The next one is the last.
+        members[first..].reverse();
+        Ok(())
     }
 
-    fn member(&mut self, place: &Place, member: Ref, range: Range, tolerance: f64) -> Result<Line, Stop> {
+    fn member(&mut self, member: Ref, range: Range, tolerance: f64) -> Result<Known, Stop> {
         self.ask.step(self.tracing.store.limits.steps)?;
+        let cell = self.place.cell;
         match member.named() {
-            Named::Leaf(number) => self.leaf(place, &place.cell.leaves[number as usize]),
-            Named::Boolean(number) => self.boolean(place, &place.cell.booleans[number as usize], range),
-            Named::Instance(number) => self.instance(place, number, range, tolerance),
-            Named::Node(_) => Ok(Line::empty()),
+            Named::Leaf(number) => self.leaf(&cell.leaves[number as usize]).map(Some),
+            Named::Boolean(number) => self.boolean(&cell.booleans[number as usize], range),
+            Named::Instance(number) => self.instance(&cell.instances[number as usize], range, tolerance),
+            Named::Node(_) => Ok(Some(Line::empty())),
         }
     }
 
-    fn leaf(&mut self, place: &Place, leaf: &Leaf) -> Result<Line, Stop> {
+    fn leaf(&self, leaf: &Leaf) -> Result<Line, Stop> {
+        let place = &self.place;
         if !leaf.solid {
             let origin = place.cell.parts[leaf.part as usize].origin;
             return Err(Fault::new(FaultKind::Open(place.cell.with_primitive(leaf, Primitive::kind)), origin).into());
@@ -160,69 +288,78 @@ impl<K: Kernel> Pieces<'_, '_, '_, '_, K> {
         Ok(Line::of_chords(&chords, |it| mark(it.face)))
     }
 
-    fn instance(&mut self, place: &Place, number: u32, range: Range, tolerance: f64) -> Result<Line, Stop> {
-        let instance = &place.cell.instances[number as usize];
-        let part = &place.cell.parts[instance.part as usize];
-        let levels = place.levels + part.levels;
-        let (store, generation) = (self.tracing.store, self.generation);
-        let step = || store.step(generation, instance.state, part.origin);
-        let led = |fault: Stop| Stop::from(super::store::led_by(*fault, std::iter::once(step())));
-        let position = place.position + 1;
-        let from = if place.from == instance.part { self.ask.start_part(position) } else { NONE };
-        // Boxes are always met from the point nearest the centre.
-        let (near, near_steps) = place.ray.entered(&instance.way);
-        if instance.side * place.unit < self.ask.girth.at(near.start()) {
-            return Ok(closed(place, instance));
+    fn instance(&mut self, instance: &Instance, range: Range, tolerance: f64) -> Result<Known, Stop> {
+        let near = self.place.ray.entered(&instance.way);
+        if instance.side * self.place.unit < self.ask.girth.at(near.0.start()) {
+            return Ok(Some(closed(&self.place, instance)));
         }
-        if instance.hyper.as_ref().is_some_and(|it| near.between(it).is_none()) {
-            return Ok(Line::empty());
+        if instance.hyper.as_ref().is_some_and(|it| near.0.between(it).is_none()) {
+            return Ok(Some(Line::empty()));
         }
-        let boxes = if instance.way.is_straight() {
-            place.boxes.moved(near.origin)
-        } else {
-            BoxRay::new(near.origin, near.direction)
+        let (state, called) = (instance.state, self.place.cell.parts[instance.part as usize].origin);
+        let cell = self.tracing.store.cell(self.generation, state, Grain::Fine);
+        let Some(cell) = cell.map_err(|it| self.led_into(it, state, called))? else {
+            return self.apart(instance, near, range, tolerance).map_err(|it| self.led_into(*it, state, called).into());
         };
-        let (ray, steps) = if from == NONE { (near, near_steps) } else { place.ray.entered_at_start(&instance.way) };
-        let shift = if from == NONE { 0.0 } else { near.own(0.0) };
-        let trail = self.ask.notes.trails.on(place.trail, instance.part);
-        let unit = place.unit * instance.way.unit;
-        let inner = |cell| Place { cell, ray, boxes, shift, from, position, trail, levels, unit };
+        let (inside, steps) = self.place.inside(self.ask, instance, cell, near);
+        let outside = mem::replace(&mut self.place, inside);
+        self.stacks.begun.push(Begun::Cell(Inside { outside, steps, state, called }));
+        let known =
+            self.whole(called, (steps.inwards(range.0), steps.inwards(range.1)), steps.length_inwards(tolerance))?;
+        Ok(if known.is_some() { self.leave(known) } else { None })
+    }
+
+    /// The pieces inside an instance whose cell there is no room to keep.
+    #[cold]
+    fn apart(
+        &mut self,
+        instance: &Instance,
+        near: (Local, Steps),
+        range: Range,
+        tolerance: f64,
+    ) -> Result<Known, Stop> {
+        let (tracing, apart) = (self.tracing, self.generation.apart(instance.state));
+        let Some(cell) = tracing.store.cell(&apart, ROOT, Grain::Fine)? else {
+            return Ok(Some(Line::empty()));
+        };
+        let called = self.place.cell.parts[instance.part as usize].origin;
+        let (place, steps) = self.place.inside(self.ask, instance, cell, near);
         let range = (steps.inwards(range.0), steps.inwards(range.1));
-        let tolerance = steps.length_inwards(tolerance);
-        let line = match store.cell(generation, instance.state, Grain::Fine).map_err(|it| led(it.into()))? {
-            Some(cell) => self.whole(&inner(cell), part.origin, range, tolerance).map_err(led)?,
-            None => {
-                let apart = generation.apart(instance.state);
-                let Some(cell) = store.cell(&apart, super::ROOT, Grain::Fine).map_err(|it| led(it.into()))? else {
-                    return Ok(Line::empty());
-                };
-                let tracing = self.tracing;
-                deeper(self.ask, |ask| {
-                    let mut pieces = Pieces { tracing, generation: &apart, ask };
-                    pieces.whole(&inner(cell), part.origin, range, tolerance)
-                })
-                .map_err(led)?
-            }
-        };
-        Ok(outwards(&line, steps))
+        let line = deeper(self.ask, cell, |ask| {
+            let mut pieces = Pieces { tracing, generation: &apart, ask, stacks: &mut Stacks::default(), place };
+            pieces.of_cell(called, range, steps.length_inwards(tolerance))
+        })?;
+        Ok(Some(outwards(&line, steps)))
     }
 
-    /// The pieces inside a whole cell.
-    fn whole(&mut self, place: &Place, called: Origin, range: Range, tolerance: f64) -> Result<Line, Stop> {
+    fn whole(&mut self, called: Origin, range: Range, tolerance: f64) -> Result<Known, Stop> {
         self.ask.cells += 1;
-        self.tracing.check_depth(place.levels + place.cell.levels, called)?;
-        let (tracing, generation) = (self.tracing, self.generation);
-        further(self.ask, |ask| Pieces { tracing, generation, ask }.union(place, 0, range, tolerance))
+        self.tracing.check_depth(self.place.levels + self.place.cell.levels, called)?;
+        self.union(0, range, tolerance)
     }
 
-    fn check(&self, line: &Line) -> Result<(), Stop> {
-        let most = self.tracing.store.limits.intervals;
-        if line.len() > most as usize {
-            let kind = FaultKind::Limit { limit: Limit::Intervals, most: u64::from(most) };
-            return Err(Fault::new(kind, Origin::NONE).into());
+    /// Leaves the innermost cell with the pieces inside it.
+    fn leave(&mut self, known: Known) -> Known {
+        let Some(Begun::Cell(Inside { outside, steps, .. })) = self.stacks.begun.pop() else {
+            return known;
+        };
+        let Place { trail, .. } = mem::replace(&mut self.place, outside);
+        let line = known.filter(|it| !it.is_empty());
+        if line.is_none() {
+            // Nothing names what was on the way.
+            self.ask.notes.trails.forget_from(trail);
         }
-        Ok(())
+        Some(line.map_or_else(Line::empty, |it| outwards(&it, steps)))
     }
+}
+
+fn check(line: &Line, most: u32) -> Result<(), Stop> {
+    if line.len() > most as usize { Err(limit(Limit::Intervals, most)) } else { Ok(()) }
+}
+
+#[cold]
+fn limit(limit: Limit, most: u32) -> Stop {
+    Fault::new(FaultKind::Limit { limit, most: u64::from(most) }, Origin::NONE).into()
 }
 
 /// The piece inside the box of an instance: inside Booleans recursion ends in closed boxes, since they need an inside.

@@ -3,6 +3,7 @@
 use std::thread;
 
 use super::ask::Ask;
+use super::cell::Cell;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
 
@@ -11,8 +12,11 @@ const ON_ONE_STACK: u32 = 64;
 /// Bytes of the stack for that many: far more than they take.
 const STACK: usize = 4 << 20;
 
-/// What a cell counts as that is made for one ray alone, since there is no room to keep it: far more work than to go through one.
+/// Steps that a cell counts as at least that is made for one ray alone, since there is no room to keep it: far more work than to go through
+/// one.
 const MADE: u64 = 1 << 10;
+/// Bytes of such a cell that count as a step: all that are inside one another are there at a time.
+const BYTES: u64 = 16;
 
 /// Does something one search further inside, through a cell that is made for that alone. It counts as many steps.
 ///
@@ -20,9 +24,10 @@ const MADE: u64 = 1 << 10;
 /// As [`further`].
 pub(super) fn deeper<R: Send, E: From<Fault> + Send>(
     ask: &mut Ask,
+    cell: &Cell,
     go: impl FnOnce(&mut Ask) -> Result<R, E> + Send,
 ) -> Result<R, E> {
-    ask.steps = ask.steps.saturating_add(MADE);
+    ask.steps = ask.steps.saturating_add(MADE.max(cell.bytes() as u64 / BYTES));
     further(ask, go)
 }
 

@@ -11,6 +11,7 @@
 //! and no bit of a picture.
 
 mod ask;
+mod begun;
 mod boolean;
 mod boxes;
 mod build;

@@ -5,6 +5,7 @@
 
 use super::ROOT;
 use super::ask::{Ask, Event, Girth, Mark, NONE, Question, Veil};
+use super::begun::Stacks;
 use super::boolean::{Pieces, Place};
 use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
 use super::cell::{Boolean, Cell, ENDED, Grain, Instance, Leaf, LeafShape, Named, Ref};
@@ -63,6 +64,8 @@ pub(super) struct Scratch<'g> {
     /// How many of them.
     depth: usize,
     ahead: Vec<Ahead>,
+    /// For Booleans.
+    stacks: Stacks<'g>,
 }
 
 impl<'g> Scratch<'g> {
@@ -272,7 +275,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     /// Gives the nearest of what the ray meets in a node, and puts the rest on the stack, the nearest on top.
     #[inline(always)]
     fn node(&mut self, ask: &Ask, number: u32, node: u32) -> Option<Ahead> {
-        let Scratch { frames, depth, ahead } = &mut *self.scratch;
+        let Scratch { frames, depth, ahead, .. } = &mut *self.scratch;
         let frame = frames.get(*depth - 1)?;
         let node = &frame.cell.nodes[node as usize];
         let to = end(ask, &frame.passage.ray);
@@ -391,7 +394,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         };
         let start = Start { cell, passage: Passage { state: ROOT, ..passage } };
         let tracing = self.tracing;
-        let found = deeper(ask, |ask| {
+        let found = deeper(ask, cell, |ask| {
             let mut scratch = Scratch::default();
             tracing.kernel.vectorize(
                 #[inline(always)]
@@ -402,7 +405,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     }
 
     #[inline(never)]
-    fn boolean(&self, ask: &mut Ask, boolean: &Boolean) -> Result<(), Stop> {
+    fn boolean(&mut self, ask: &mut Ask, boolean: &'g Boolean) -> Result<(), Stop> {
         let Some(Frame { cell, passage, .. }) = self.scratch.last() else {
             return Ok(());
         };
@@ -416,8 +419,9 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         } else {
             (f64::NEG_INFINITY, f64::INFINITY)
         };
-        let mut pieces = Pieces { tracing: self.tracing, generation: self.generation, ask };
-        let line = pieces.boolean(&place, boolean, range)?;
+        let (tracing, generation, stacks) = (self.tracing, self.generation, &mut self.scratch.stacks);
+        let mut pieces = Pieces { tracing, generation, ask, stacks, place };
+        let line = pieces.of_boolean(boolean, range)?;
         for piece in line.as_slice() {
             let event = |end: &crate::geometry::End<Mark>| Event {
                 t: place.ray.world(end.t),

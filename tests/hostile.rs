@@ -209,8 +209,9 @@ fn walks_end_in_a_picture_or_in_a_message() {
     let step = "segment(.1, .05, .05)";
     assert_outcomes(&[
         // Without an end.
-        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0922"),
-        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0922"),
+        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0924"),
+        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0924"),
+        ("shape S { start a; a +> move(0, 0, 1) a; }", "E0922"),
         ("shape S { start a; a -> a a; }", "E0923"),
         ("shape S { start a; a -> repeat 1e6 { segment(1,.1,.1) } a; }", "E0924"),
         ("shape S { start a; a -> repeat 1e6 { rotz(1) } a; }", "E0925"),

@@ -57,7 +57,7 @@ impl Default for Limits {
             items: 1_000_000,
             rules: 4_000_000,
             modules: 1_000_000,
-            segments: 4_000_000,
+            segments: 500_000,
             planes: 16_384,
             strides: 100_000_000,
             steps: 10_000_000,

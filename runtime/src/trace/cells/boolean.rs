@@ -113,8 +113,37 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
     /// The pieces inside a Boolean of the cell.
     pub(super) fn of_boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<Line, Stop> {
         self.stacks.clear();
+        if boolean.height > 0 {
+            return self.plain(boolean, range);
+        }
         let known = self.boolean(boolean, range);
         self.finish(known)
+    }
+
+    /// The pieces inside a Boolean of the cell that is made of single primitives: it calls itself for Booleans in it, which are not many in
+    /// one another, so that nothing has to be begun.
+    fn plain(&mut self, boolean: &Boolean, range: Range) -> Result<Line, Stop> {
+        self.ask_for_booleans()?;
+        self.stacks.booleans += 1;
+        let cell = self.place.cell;
+        let mut operation = Operation::new(boolean, range);
+        while let Some((operand, range)) = operation.next() {
+            self.ask.step(self.tracing.store.limits.steps)?;
+            let line = match cell.unions[operand as usize].only().map(Ref::named) {
+                Some(Named::Leaf(number)) => self.leaf(&cell.leaves[number as usize])?,
+                Some(Named::Boolean(number)) => self.plain(&cell.booleans[number as usize], range)?,
+                Some(Named::Node(_) | Named::Instance(_)) | None => Line::empty(),
+            };
+            check(operation.take(line), self.tracing.store.limits.intervals)?;
+        }
+        self.stacks.booleans -= 1;
+        Ok(operation.line.unwrap_or_else(Line::empty))
+    }
+
+    /// Sees to it that there may be one more Boolean around what is looked at.
+    fn ask_for_booleans(&self) -> Result<(), Stop> {
+        let most = self.tracing.store.limits.booleans;
+        if self.stacks.booleans >= most { Err(limit(Limit::Booleans, most)) } else { Ok(()) }
     }
 
     /// The pieces inside the whole cell.
@@ -160,10 +189,10 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
     }
 
     fn boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<Known, Stop> {
-        let most = self.tracing.store.limits.booleans;
-        if self.stacks.booleans >= most {
-            return Err(limit(Limit::Booleans, most));
+        if boolean.height > 0 {
+            return self.plain(boolean, range).map(Some);
         }
+        self.ask_for_booleans()?;
         self.stacks.booleans += 1;
         self.stacks.begun.push(Begun::Boolean(Operation::new(boolean, range)));
         Ok(None)
@@ -196,8 +225,8 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
 
     fn union(&mut self, number: u32, range: Range, tolerance: f64) -> Result<Known, Stop> {
         let union = &self.place.cell.unions[number as usize];
-        if let (None, [only]) = (union.root, &*union.always) {
-            return self.member(*only, range, tolerance);
+        if let Some(only) = union.only() {
+            return self.member(only, range, tolerance);
         }
         let (members, pieces) = (self.stacks.members.len(), self.stacks.gathered.len());
         self.members(union, range)?;

@@ -27,6 +27,8 @@ use crate::trace::Bark;
 const VAST: usize = 4096;
 /// Boxes of a Boolean's operand below which it is not worth a node.
 const WORTH_A_NODE: usize = 4;
+/// Booleans in one another up to which it is noted how many there are.
+const MOST_HEIGHT: u32 = 16;
 /// How much larger than need be a box may be, in units of the cell.
 const SLACK: f64 = 1e-4;
 /// How near events of a Boolean count as one, in units of its size.
@@ -244,8 +246,22 @@ impl Layout<'_, '_, '_> {
         let tolerance = TOLERANCE * if size.is_finite() { size.max(0.0) } else { 1.0 };
         let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
         let parts = part..self.cell.parts.len() as u32;
-        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance });
+        let height = self.height(&self.cell.unions[operands.start as usize..]);
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
+    }
+
+    /// The height of a Boolean of these operands, as [`Boolean::height`].
+    fn height(&self, operands: &[Union]) -> u32 {
+        let of = |union: &Union| match union.only().map(Ref::named) {
+            Some(Named::Leaf(_)) => Some(1),
+            Some(Named::Boolean(number)) => {
+                let inner = self.cell.booleans[number as usize].height;
+                (1..MOST_HEIGHT).contains(&inner).then_some(inner + 1)
+            }
+            Some(Named::Node(_) | Named::Instance(_)) | None => None,
+        };
+        operands.iter().map(of).try_fold(0, |most, it| it.map(|it| most.max(it))).unwrap_or(0)
     }
 }
 

@@ -93,6 +93,17 @@ pub(super) struct Union {
     pub(super) always: Box<[Ref]>,
 }
 
+impl Union {
+    /// Its member, if it is known to have one alone.
+    #[inline(always)]
+    pub(super) fn only(&self) -> Option<Ref> {
+        match (self.root, &*self.always) {
+            (None, [only]) => Some(*only),
+            _ => None,
+        }
+    }
+}
+
 /// Names something in a cell: a node, or a member of a union.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ref(u32);
@@ -312,6 +323,8 @@ pub(super) struct Boolean {
     pub(super) parts: Range<u32>,
     /// How near events count as one: 1e-12 of its size.
     pub(super) tolerance: f64,
+    /// How many Booleans stand in one another in it, if it is made of single primitives, and of not many; else 0.
+    pub(super) height: u32,
 }
 
 /// What a hit needs to know of a part.

@@ -3,12 +3,13 @@
 //! The stacks are those of the search along one ray (`traverse`); each entry says which of the rays it is for. Where
 //! few are left, each of them goes on alone. What a ray meets is the same, to the bit, in whatever company it travels.
 
-use pulp::{Simd, f32x16, f64x8, u64x8};
+use pulp::{Simd, f32x16};
 use smallvec::SmallVec;
 
-use super::ask::{Ask, Found, Girth, Loss, Mark, NONE, Notes, Question, Veil, start_part};
+use super::ask::{Found, Mark, NONE, Notes, Question, start_part};
 use super::boxes::{BoxRays, Met, Node, Opened, WIDTH, lanes_of};
 use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
+use super::company::{Answer, Halves, Packet, PacketAsk, RAYS};
 use super::ending::{Met as Ended, ending};
 use super::ray::{Inwards, Local, Locals, NEAR, TAME};
 use super::store::{Generation, led_by};
@@ -16,217 +17,10 @@ use super::traverse::{Passage, SINGLE, Scratch, Start as Beginning, Tracing, is_
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Pierced, Shown};
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, Wide3, lane_of, negative16};
-use crate::trace::{Beam, Site};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, negative16};
 
-/// Rays in a packet.
-pub(super) const RAYS: usize = 16;
 /// Rays that go on alone if no more are left.
 const FEW: u32 = 2;
-
-/// The numbers of the rays on the packet's two halves.
-type Halves<T> = [T; 2];
-
-/// A beam that may start on a surface.
-pub(super) trait Start {
-    /// The beam, and the surface.
-    fn beam(&self) -> (Beam, Option<&Site>);
-}
-
-/// Sixteen beams side by side. Lanes that are left are filled with the first beam.
-pub(super) struct Packet<'q, S: Simd> {
-    origin: Halves<Wide3<S>>,
-    direction: Halves<Wide3<S>>,
-    width: Halves<f64x8>,
-    spread: Halves<f64x8>,
-    /// The surfaces that they start on.
-    from: [Option<&'q Site>; RAYS],
-    /// The lanes that are not left, one bit each,
-    asking: u32,
-    /// and those of beams that go through the solid that they start on.
-    through: u32,
-}
-
-impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
-    /// Of at most sixteen beams, and at least one.
-    #[inline(always)]
-    pub(super) fn new<K: Kernel<Lanes = S>>(kernel: K, beams: &'q [impl Start]) -> Self {
-        let lanes = kernel.lanes();
-        let zero = Wide::splat(lanes, 0.0);
-        let nowhere = Wide3 { x: zero, y: zero, z: zero };
-        let (mut from, mut through) = ([None; RAYS], 0);
-        let (mut origin, mut direction) = ([nowhere; 2], [nowhere; 2]);
-        let (mut width, mut spread) = ([zero.value; 2], [zero.value; 2]);
-        for half in 0..2 {
-            let mut rows = [zero.value; EIGHT];
-            for (lane, row) in rows.iter_mut().enumerate() {
-                let number = half * EIGHT + lane;
-                let (beam, site) = beams.get(number).unwrap_or(&beams[0]).beam();
-                *row = pulp::cast(beam.numbers());
-                from[number] = site;
-                through |= u32::from(site.is_some_and(Site::is_through)) << number;
-            }
-            let [x, y, z, to_x, to_y, to_z, wide, spreading] = kernel.transposed(rows);
-            origin[half] = Wide3 { x: Wide::new(lanes, x), y: Wide::new(lanes, y), z: Wide::new(lanes, z) };
-            direction[half] = Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) };
-            (width[half], spread[half]) = (wide, spreading);
-        }
-        let asking = ((1_u64 << beams.len()) - 1) as u32;
-        Self { origin, direction, width, spread, from, asking, through }
-    }
-}
-
-/// What all rays of a packet ask, and what they have found.
-pub(super) struct PacketAsk<'q> {
-    pub(super) question: Question,
-    /// The surface that each ray starts on.
-    pub(super) from: [Option<&'q Site>; RAYS],
-    /// The rays that are known to go away from that, as [`Ask::leaving`],
-    pub(super) leaving: u32,
-    /// and those that go through the solid that they start on.
-    through: u32,
-    /// The rays that still ask.
-    pub(super) asking: u32,
-    /// The rays whose search is over, as [`Ask::over`].
-    pub(super) over: u32,
-    /// How wide the beams are, and by how much they grow.
-    width: Halves<f64x8>,
-    spread: Halves<f64x8>,
-    best: Halves<f64x8>,
-    found: Halves<u64x8>,
-    /// How much light veils have taken.
-    loss: [Loss; RAYS],
-    /// How often something nearer has been found.
-    changes: u32,
-    steps: u64,
-}
-
-impl<'q> PacketAsk<'q> {
-    /// A question along the beams of a packet.
-    #[inline(always)]
-    pub(super) fn new<S>(question: Question, packet: &Packet<'q, S>) -> Self
-    where
-        S: Simd<f64s = f64x8>,
-    {
-        let Packet { asking, from, through, width, spread, .. } = *packet;
-        Self {
-            question,
-            from,
-            leaving: 0,
-            through,
-            asking,
-            over: 0,
-            width,
-            spread,
-            best: [pulp::cast([f64::INFINITY; EIGHT]); 2],
-            found: [pulp::cast([Found::NOTHING.0; EIGHT]); 2],
-            loss: [Loss::default(); RAYS],
-            changes: 0,
-            steps: 0,
-        }
-    }
-
-    /// The rays that have found something.
-    #[inline(always)]
-    pub(super) fn met<K: Kernel>(&self, kernel: K) -> u32 {
-        let lanes = kernel.lanes();
-        let nothing = lanes.splat_u64s(Found::NOTHING.0);
-        let low = kernel.bits(lanes.equal_u64s(self.found[0], nothing));
-        let high = kernel.bits(lanes.equal_u64s(self.found[1], nothing));
-        !(low | high << EIGHT) & 0xffff
-    }
-
-    /// How much light comes to a ray.
-    pub(super) fn light(&self, ray: usize) -> f64 {
-        if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() }
-    }
-
-    /// A veil lies on one of the rays.
-    #[inline(always)]
-    fn veil(&mut self, veil: Veil, notes: &mut Notes) {
-        let ray = usize::from(veil.ray);
-        let best = lane_of(&self.best[ray / EIGHT], ray % EIGHT);
-        veil.take(self.question, best, &mut self.loss[ray], notes);
-        if self.loss[ray].is_dark() {
-            self.end(1 << ray);
-        }
-    }
-
-    /// How wide the beam of a ray is.
-    #[inline(always)]
-    fn girth(&self, ray: usize) -> Girth {
-        let (half, lane) = (ray / EIGHT, ray % EIGHT);
-        Girth { width: lane_of(&self.width[half], lane), spread: lane_of(&self.spread[half], lane) }
-    }
-
-    /// The question of one of the rays.
-    fn of_ray<'a>(&self, ray: usize, notes: &'a mut Notes) -> Ask<'a>
-    where
-        'q: 'a,
-    {
-        let (best, found) = self.found(ray);
-        let mut ask = Ask::new(self.question, self.from[ray], self.girth(ray), notes);
-        (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
-        ask.leaving = self.leaving >> ray & 1 == 1;
-        ask
-    }
-
-    /// Where a ray has met something, and what.
-    pub(super) fn found(&self, ray: usize) -> (f64, Found) {
-        let found = &bytemuck::cast_ref::<u64x8, [u64; EIGHT]>(&self.found[ray / EIGHT])[ray % EIGHT];
-        (lane_of(&self.best[ray / EIGHT], ray % EIGHT), Found(*found))
-    }
-
-    /// Takes what a ray has found by itself.
-    fn answer(&mut self, ray: usize, answer: Answer) {
-        let Answer { best, found, over, loss } = answer;
-        self.loss[ray] = loss;
-        if over {
-            self.end(1 << ray);
-        }
-        if self.found(ray) == (best, found) {
-            return;
-        }
-        bytemuck::cast_mut::<f64x8, [f64; EIGHT]>(&mut self.best[ray / EIGHT])[ray % EIGHT] = best;
-        bytemuck::cast_mut::<u64x8, [u64; EIGHT]>(&mut self.found[ray / EIGHT])[ray % EIGHT] = found.0;
-        self.changes += 1;
-    }
-
-    /// The beams that are wider, where they are nearest to the centres of their frames, than a length.
-    #[inline(always)]
-    fn wider<K: Kernel>(&self, kernel: K, [low, high]: &Halves<Locals<K::Lanes>>, length: f64) -> u32 {
-        let lanes = kernel.lanes();
-        let (zero, length) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, length));
-        let mut bits = 0;
-        for (half, local) in [low, high].into_iter().enumerate() {
-            let t = local.offset.gt(zero).select(local.offset, zero);
-            let girth = Wide::new(lanes, self.width[half]) + Wide::new(lanes, self.spread[half]) * t;
-            bits |= kernel.bits(length.lt(girth).value) << (half * EIGHT);
-        }
-        bits
-    }
-
-    /// A ray's search is over.
-    fn end(&mut self, rays: u32) {
-        self.over |= rays;
-        self.asking &= !rays;
-    }
-}
-
-/// What a ray has found by itself.
-#[derive(Clone, Copy)]
-struct Answer {
-    best: f64,
-    found: Found,
-    over: bool,
-    loss: Loss,
-}
-
-impl Answer {
-    fn of(ask: &Ask) -> Self {
-        Self { best: ask.best, found: ask.found, over: ask.over, loss: ask.loss }
-    }
-}
 
 /// The stacks of a search, kept from packet to packet.
 pub(super) struct PacketScratch<'g, K: Kernel> {

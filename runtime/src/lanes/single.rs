@@ -74,30 +74,30 @@ impl<K: Kernel> Singles<K> {
         Self { value: self.kernel.pick(self.value, places.value), ..self }
     }
 
+    /// Four times sixteen numbers.
+    #[inline(always)]
+    fn of_four(kernel: K, [a, b, c, d]: [f32x16; 4]) -> [Self; 4] {
+        [Self { kernel, value: a }, Self { kernel, value: b }, Self { kernel, value: c }, Self { kernel, value: d }]
+    }
+
+    /// The numbers of four.
+    #[inline(always)]
+    fn values([a, b, c, d]: [Self; 4]) -> [f32x16; 4] {
+        [a.value, b.value, c.value, d.value]
+    }
+
     /// Turns a square of four by four groups of four numbers.
     #[inline(always)]
     pub(crate) fn turn_groups(rows: [Self; 4]) -> [Self; 4] {
-        let [a, b, c, d] = rows;
-        let [first, second, third, fourth] = a.kernel.turn_groups([a.value, b.value, c.value, d.value]);
-        [
-            Self { value: first, ..a },
-            Self { value: second, ..a },
-            Self { value: third, ..a },
-            Self { value: fourth, ..a },
-        ]
+        let kernel = rows[0].kernel;
+        Self::of_four(kernel, kernel.turn_groups(Self::values(rows)))
     }
 
     /// Turns squares of four by four numbers.
     #[inline(always)]
     pub(crate) fn turn_numbers(rows: [Self; 4]) -> [Self; 4] {
-        let [a, b, c, d] = rows;
-        let [first, second, third, fourth] = a.kernel.turn_numbers([a.value, b.value, c.value, d.value]);
-        [
-            Self { value: first, ..a },
-            Self { value: second, ..a },
-            Self { value: third, ..a },
-            Self { value: fourth, ..a },
-        ]
+        let kernel = rows[0].kernel;
+        Self::of_four(kernel, kernel.turn_numbers(Self::values(rows)))
     }
 
     /// The same with other numbers in the lanes of these bits.

@@ -21,6 +21,7 @@ mod company;
 mod deep;
 mod draft;
 mod ending;
+mod flats;
 mod measure;
 mod merge;
 mod packet;

@@ -12,6 +12,7 @@ use super::ROOT;
 use super::ask::{Found, Girth, Mark, Notes};
 use super::cell::{Cell, ENDED, Grain, Leaf, LeafShape, Named, PART, Part};
 use super::ending::{Ending, solid};
+use super::flats::Flats;
 use super::measure::Measuring;
 use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
@@ -19,7 +20,7 @@ use super::traverse::rough_set;
 use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::geometry::{Ray, Shown};
-use crate::lanes::{EIGHT, Kernel, Wide, Wide3};
+use crate::lanes::Kernel;
 use crate::texture::Rough;
 use crate::trace::{Fragment, Painted, Route, Seen, Site};
 
@@ -46,18 +47,7 @@ pub(super) struct Resolver<'a, 's, 'g> {
     place: Option<Box<Place<'g>>>,
     other: Option<Box<Place<'g>>>,
     /// The fragments whose normals are not done.
-    flats: Vec<Flat>,
-}
-
-/// A fragment on a flat face, whose normal points outwards and has some length.
-#[derive(Clone, Copy)]
-struct Flat {
-    /// Its number.
-    fragment: usize,
-    /// Where the ray goes that sees it.
-    direction: DVec3,
-    /// Whether the normal is to be turned over; if that is not known, it is to point to where the ray comes from.
-    turned: Option<bool>,
+    flats: Flats,
 }
 
 /// Where ways begin.
@@ -176,7 +166,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             cell_from_world,
             place: None,
             other: None,
-            flats: Vec::new(),
+            flats: Flats::default(),
         }
     }
 
@@ -187,7 +177,15 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         root: &'a Cell,
         cell_from_world: &'a Inwards,
     ) -> Self {
-        Self { store, generation, root: Root::Cell(root), cell_from_world, place: None, other: None, flats: Vec::new() }
+        Self {
+            store,
+            generation,
+            root: Root::Cell(root),
+            cell_from_world,
+            place: None,
+            other: None,
+            flats: Flats::default(),
+        }
     }
 
     /// Forgets where the last hit was: trails are about to be made anew.
@@ -226,14 +224,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     ///
     /// [`Resolver::see`] leaves that to whoever has let some rays see.
     pub(super) fn straighten<K: Kernel>(&mut self, kernel: K, seen: &mut Seen) {
-        if self.flats.is_empty() {
-            return;
-        }
-        kernel.vectorize(
-            #[inline(always)]
-            || straighten(kernel, &self.flats, seen.fragments_mut()),
-        );
-        self.flats.clear();
+        self.flats.straighten(kernel, seen.fragments_mut());
     }
 
     /// A ray in the frame of a place.
@@ -378,9 +369,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 let leaf = &cell.leaves[leaf as usize];
                 match self.flat_normal(place, leaf, mark) {
                     Some(outwards) => {
-                        let turned = leaf.solid.then(|| hit.found.is_flipped());
-                        let fragment = seen.fragments().len();
-                        flat = Some(Flat { fragment, direction: hit.ray.direction, turned });
+                        flat = Some(leaf.solid.then(|| hit.found.is_flipped()));
                         (outwards, 0.0, u32::from(mark.face))
                     }
                     None => {
@@ -401,7 +390,9 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             site: Site { path: place.path_to(mark.part), face },
             ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
         });
-        self.flats.extend(flat);
+        if let Some(turned) = flat {
+            self.flats.add(seen.fragments().len() - 1, hit.ray.direction, turned);
+        }
         self.stand(place, mark.part, (hit.ray, hit.depth), seen);
         self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
     }
@@ -552,30 +543,6 @@ impl Place<'_> {
     /// A hash of the whole route to a part.
     pub(super) fn route_to(&self, part: &Part) -> u64 {
         if self.frozen { self.route } else { self.route.then(part.route) }.hash()
-    }
-}
-
-/// As [`Resolver::straighten`].
-#[inline(always)]
-fn straighten<K: Kernel>(kernel: K, flats: &[Flat], fragments: &mut [Fragment]) {
-    let lanes = kernel.lanes();
-    let (zero, one) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, 1.0));
-    for flats in flats.chunks(EIGHT) {
-        let (mut normals, mut directions) = ([[1.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
-        for (lane, Flat { fragment, direction, .. }) in flats.iter().enumerate() {
-            let normal = fragments[*fragment].normal;
-            for axis in 0..3 {
-                (normals[axis][lane], directions[axis][lane]) = (normal[axis], direction[axis]);
-            }
-        }
-        let normal = Wide3::of_arrays(lanes, normals);
-        let normal = normal * (one / normal.dot(normal).sqrt());
-        let away = kernel.bits(normal.dot(Wide3::of_arrays(lanes, directions)).gt(zero).value);
-        for (lane, Flat { fragment, turned, .. }) in flats.iter().enumerate() {
-            let turned = turned.unwrap_or(away >> lane & 1 == 1);
-            let normal = normal.lane(lane);
-            fragments[*fragment].normal = if turned { -normal } else { normal };
-        }
     }
 }
 

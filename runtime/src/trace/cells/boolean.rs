@@ -193,9 +193,36 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
             return self.plain(boolean, range).map(Some);
         }
         self.ask_for_booleans()?;
+        let Some(range) = self.narrowed(boolean, range)? else {
+            return Ok(Some(Line::empty()));
+        };
         self.stacks.booleans += 1;
         self.stacks.begun.push(Begun::Boolean(Operation::new(boolean, range)));
         Ok(None)
+    }
+
+    /// Where something may be left of a Boolean, as far as those of its operands say that are single primitives: they are quickly asked,
+    /// and others are looked at only there. None if that is nowhere.
+    fn narrowed(&self, boolean: &Boolean, mut range: Range) -> Result<Option<Range>, Stop> {
+        let cell = self.place.cell;
+        // What is taken away leaves no end to look for.
+        let count = if boolean.difference { 1 } else { boolean.operands.len() };
+        for operand in boolean.operands.clone().take(count) {
+            if let Some(Named::Leaf(number)) = cell.unions[operand as usize].only().map(Ref::named)
+                && let leaf = &cell.leaves[number as usize]
+                && leaf.solid
+            {
+                let line = self.leaf(leaf)?;
+                let (Some(first), Some(last)) = (line.as_slice().first(), line.as_slice().last()) else {
+                    return Ok(None);
+                };
+                range = (range.0.max(first.near.t - boolean.tolerance), range.1.min(last.far.t + boolean.tolerance));
+                if range.0 > range.1 {
+                    return Ok(None);
+                }
+            }
+        }
+        Ok(Some(range))
     }
 
     /// Goes on with the innermost Boolean.

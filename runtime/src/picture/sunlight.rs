@@ -8,7 +8,7 @@ use super::paint::Paints;
 use super::shade::{Key, Pass};
 use super::skin::{Skin, Skins};
 use crate::geometry::Ray;
-use crate::trace::{Beam, Fragment, RayFault, Seen, SurfaceBeam, Tracer};
+use crate::trace::{Beam, Fragment, RayFault, Seen, Site, SurfaceBeam, Tracer};
 
 /// The light of suns on a fragment.
 #[derive(Clone, Copy, Debug, Default)]
@@ -112,14 +112,22 @@ impl Sunlight {
             }
             if shared != Some(*owner) {
                 shared = Some(*owner);
-                // The last one who asks takes the site instead of copying it.
-                let from = if last { std::mem::take(&mut fragment.site) } else { fragment.site.clone() };
-                let from = if side == Side::Far { from.through() } else { from };
                 let beam = pass.beam(owner.ray);
                 let Key { pixel, sample, .. } = pass.keys[owner.ray as usize];
                 let ray = Ray { origin: fragment.position, direction: sun.direction(pixel, sample) };
                 let width = beam.width_at(fragment.depth);
-                self.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from });
+                let number = self.shadow_beams.len();
+                self.shadow_beams.push(SurfaceBeam { beam: Beam { ray, width, spread: 0.0 }, from: Site::default() });
+                // Filled where it lies, and the last one who asks takes the site instead of copying it.
+                let from = &mut self.shadow_beams[number].from;
+                if last {
+                    from.take(&mut fragment.site);
+                } else {
+                    from.clone_from(&fragment.site);
+                }
+                if side == Side::Far {
+                    from.face = Site::THROUGH;
+                }
                 self.shadow_normals.push(fragment.normal);
             }
             self.aimed.push((number as u32, self.shadow_beams.len() as u32 - 1));

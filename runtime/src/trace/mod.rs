@@ -8,6 +8,7 @@ mod chain;
 mod expand;
 mod find;
 mod liveness;
+mod path;
 pub mod reference;
 mod route;
 pub(crate) mod shapes;
@@ -16,10 +17,9 @@ mod walk;
 pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
 pub(crate) use expand::{WholeStem, constants};
 pub use find::{Derivable, find_shape, find_shapes};
+pub use path::Path;
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
-
-use smallvec::SmallVec;
 
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
@@ -50,6 +50,14 @@ impl Seen {
     /// Adds a fragment to the ray that has not ended yet.
     pub fn push(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
+    }
+
+    /// The same, and gives the fragment where it lies now.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, fragment: Fragment) -> &mut Fragment {
+        let number = self.fragments.len();
+        self.fragments.push(fragment);
+        &mut self.fragments[number]
     }
 
     /// Tells where the last fragment is in the frame in which its paint stands, if its paint has textures that ask that.
@@ -196,7 +204,7 @@ impl Fragment {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Site {
     /// The parts on the way.
-    pub path: SmallVec<[u32; 12]>,
+    pub path: Path,
     /// The face of the primitive, or [`Site::THROUGH`].
     pub face: u32,
 }
@@ -210,6 +218,13 @@ impl Site {
     #[must_use]
     pub fn through(self) -> Self {
         Self { face: Self::THROUGH, ..self }
+    }
+
+    /// Becomes another one, which is not to be used any more.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, other: &mut Self) {
+        self.path.take(&mut other.path);
+        self.face = other.face;
     }
 
     /// Whether a ray that starts here goes through the solid.

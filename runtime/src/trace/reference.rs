@@ -414,7 +414,7 @@ impl Walk<'_, '_> {
     /// Whether the ray starts in one of these operands at a place, and goes through the solid there.
     fn goes_into(&self, site: &[u32], operands: Range<usize>) -> bool {
         let Some(from) = self.from.filter(|it| it.is_through() && it.path.starts_with(site)) else { return false };
-        from.path.get(site.len()).is_some_and(|it| operands.contains(&(*it as usize)))
+        from.path.part(site.len()).is_some_and(|it| operands.contains(&(it as usize)))
     }
 
     fn primitive(
@@ -432,7 +432,7 @@ impl Walk<'_, '_> {
         if self.goes_through(here) {
             return Ok(Line::empty());
         }
-        let from = self.from.filter(|it| it.path == here.site).map(|it| it.face);
+        let from = self.from.filter(|it| it.path.parts().eq(here.site.iter().copied())).map(|it| it.face);
         let mut line = Line::empty();
         if primitive.is_solid() {
             let mut chords = match bark.and_then(Bark::relief) {
@@ -476,7 +476,7 @@ impl Walk<'_, '_> {
             route: here.route,
             ray: here.ray,
             chain: Rc::clone(&here.chain),
-            site: Site { path: here.site.clone(), face },
+            site: Site { path: here.site.iter().copied().collect(), face },
             carved: primitive.hull().is_some() && !here.frozen,
         });
         self.surfaces.len() as u32 - 1

@@ -128,7 +128,7 @@ impl Tracer for Spheres {
             if let Some(fault) = Self::fault(ray, self.faulty_image) {
                 return Err(RayFault { ray: number, fault });
             }
-            let nearest = self.nearest(ray, from.path.first().copied());
+            let nearest = self.nearest(ray, from.path.part(0));
             nearest.into_iter().for_each(|hit| seen.push(self.fragment(ray, hit)));
             seen.end_ray();
         }
@@ -143,7 +143,7 @@ impl Tracer for Spheres {
 
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
         light.clear();
-        let blocked = |it: &SurfaceBeam| self.nearest(&it.beam.ray, it.from.path.first().copied()).is_some();
+        let blocked = |it: &SurfaceBeam| self.nearest(&it.beam.ray, it.from.path.part(0)).is_some();
         light.extend(beams.iter().map(|it| if blocked(it) { 0.0 } else { 1.0 }));
         Ok(())
     }

@@ -371,7 +371,7 @@ impl<'q> Ask<'q> {
 /// The number that the way to a surface has at a place; [`NONE`] if it has none.
 #[inline]
 pub(super) fn start_part(from: Option<&Site>, position: usize) -> u32 {
-    from.and_then(|it| it.path.get(position)).copied().unwrap_or(NONE)
+    from.and_then(|it| it.path.part(position)).unwrap_or(NONE)
 }
 
 /// The fault of a ray that has met too much.

@@ -18,11 +18,11 @@ use super::ray::{Inwards, Local};
 use super::store::{Generation, Store};
 use super::traverse::rough_set;
 use crate::fault::Fault;
-use crate::form::MaterialId;
+use crate::form::{MaterialId, Origin};
 use crate::geometry::{Ray, Shown};
 use crate::lanes::Kernel;
 use crate::texture::Rough;
-use crate::trace::{Fragment, Painted, Route, Seen, Site};
+use crate::trace::{Fragment, Painted, Path, Route, Seen};
 
 /// A hit as a search leaves it.
 pub(super) struct Hit<'r> {
@@ -33,9 +33,6 @@ pub(super) struct Hit<'r> {
     pub(super) depth: f64,
     pub(super) found: Found,
 }
-
-/// Up to so many parts on a way are held in place.
-const SHORT: usize = 12;
 
 /// Finds out about hits in one generation of cells.
 pub(super) struct Resolver<'a, 's, 'g> {
@@ -62,9 +59,9 @@ pub(super) struct Place<'g> {
     trail: u32,
     pub(super) cell: Held<'g>,
     /// The numbers of the parts on the way,
-    pub(super) path: SmallVec<[u32; SHORT]>,
-    /// and the same with room for one more, if that is little.
-    short_path: Option<[u32; SHORT]>,
+    path: Path,
+    /// and how many there are.
+    length: usize,
     /// The ways into the cells on the way, as far as those are kept.
     ways: SmallVec<[&'g Inwards; 8]>,
     pub(super) material: Option<MaterialId>,
@@ -230,7 +227,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// A ray in the frame of a place.
     pub(super) fn local(&self, place: &Place, ray: &Ray) -> Local {
         let mut local = Local::new(ray, self.cell_from_world);
-        self.go_in(place, place.path.len(), |way| local = local.entered(way).0);
+        self.go_in(place, place.length, |way| local = local.entered(way).0);
         local
     }
 
@@ -239,13 +236,13 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     fn go_in(&self, place: &Place, count: usize, enter: impl FnMut(&Inwards)) {
         match place.ways.get(..count) {
             Some(ways) => ways.iter().copied().for_each(enter),
-            None => self.go_by_path(&place.path[..count], enter),
+            None => self.go_by_path(place.path.parts().take(count), enter),
         }
     }
 
     /// The same where cells on the way are not kept.
     #[cold]
-    fn go_by_path(&self, path: &[u32], mut enter: impl FnMut(&Inwards)) {
+    fn go_by_path(&self, path: impl Iterator<Item = u32>, mut enter: impl FnMut(&Inwards)) {
         let mut held = self.held_root().ok();
         for number in path {
             let Some(here) = held else {
@@ -255,7 +252,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 break;
             };
             enter(way);
-            held = self.inside(here, Which::noted(*number, state)).ok();
+            held = self.inside(here, Which::noted(number, state)).ok();
         }
     }
 
@@ -269,10 +266,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         self.place.as_deref()
     }
 
+    #[inline(always)]
     pub(super) fn cell_of<'p>(&'p self, place: &'p Place) -> &'p Cell {
         self.cell_in(&place.cell)
     }
 
+    #[inline(always)]
     fn cell_in<'p>(&'p self, held: &'p Held) -> &'p Cell {
         match (held, self.root) {
             (Held::Kept(cell), _) => cell,
@@ -311,8 +310,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let mut place = Place {
             trail: mark.trail,
             cell: self.held_root()?,
-            path: SmallVec::new(),
-            short_path: None,
+            path: Path::default(),
+            length: 0,
             ways: SmallVec::new(),
             material: None,
             standing: None,
@@ -347,12 +346,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             place.cell_from_world = cell_from_world;
             place.cell = self.inside(place.cell, Which::noted(*number, state))?;
         }
-        if path.len() < SHORT {
-            let mut short = [0; SHORT];
-            short[..path.len()].copy_from_slice(&path);
-            place.short_path = Some(short);
-        }
-        place.path = path;
+        place.length = path.len();
+        place.path = Path::way(&path);
         Ok(place)
     }
 
@@ -383,18 +378,23 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             // The closed box that stands for an instance inside a Boolean.
             _ => (-hit.ray.direction.normalize(), 0.5, 0),
         };
-        seen.push(Fragment {
-            spread,
-            material: part.material.or(place.material),
-            route: place.route_to(part),
-            site: Site { path: place.path_to(mark.part), face },
-            ..Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, part.origin)
-        });
+        // Filled where it lies: what is written in parts and then moved is waited for.
+        let fragment = seen.add(Fragment::of_surface(hit.depth, hit.ray.at(hit.depth), normal, Origin::NONE));
+        fragment.origin = part.origin;
+        fragment.spread = spread;
+        fragment.material = part.material.or(place.material);
+        fragment.route = place.route_to(part);
+        fragment.site.path.lead(&place.path, mark.part);
+        fragment.site.face = face;
+        if place.standing.is_some() || !cell.painted.is_empty() {
+            self.stand(place, mark.part, (hit.ray, hit.depth), seen);
+        }
+        if !cell.barks.is_empty() {
+            self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
+        }
         if let Some(turned) = flat {
             self.flats.add(seen.fragments().len() - 1, hit.ray.direction, turned);
         }
-        self.stand(place, mark.part, (hit.ray, hit.depth), seen);
-        self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
     }
 
     /// Tells the last fragment where it is on the rind of its stem, if its look depends on that.
@@ -408,7 +408,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             && self.store.expander.is_on_stems(part.material.or(place.material))
         {
             let leaf_from_cell = cell.leaves[leaf as usize].leaf_from_cell;
-            let standing = Standing { ways: place.path.len(), paint_from_cell: leaf_from_cell };
+            let standing = Standing { ways: place.length, paint_from_cell: leaf_from_cell };
             seen.paint_on_stem(self.painted(place, &standing, at).on(&bark.rind));
         }
     }
@@ -421,7 +421,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             return;
         }
         let own = cell.parts.get(part as usize).is_some_and(|it| it.material.is_some());
-        let of_part = || Standing::of(cell, part, place.path.len());
+        let of_part = || Standing::of(cell, part, place.length);
         let standing = if own { of_part() } else { place.standing.as_deref().cloned() };
         if let Some(standing) = standing {
             seen.paint(self.painted(place, &standing, at));
@@ -528,16 +528,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 impl Place<'_> {
     /// The numbers of the parts on the way to a part.
     #[inline(always)]
-    fn path_to(&self, part: u32) -> SmallVec<[u32; SHORT]> {
-        match self.short_path {
-            // Copied whole, since what is copied in part is copied by a call.
-            Some(mut short) => {
-                let length = self.path.len();
-                short[length] = part;
-                SmallVec::from_buf_and_len(short, length + 1)
-            }
-            None => self.path.iter().copied().chain([part]).collect(),
-        }
+    pub(super) fn path_to(&self, part: u32) -> Path {
+        self.path.to(part)
     }
 
     /// A hash of the whole route to a part.

@@ -92,8 +92,7 @@ impl<'g> Resolver<'_, '_, 'g> {
         let normal = (inner_from_world.transpose() * mean).normalize();
         let unknown = [(None, 1.0)];
         let paints = proxy.map_or(&unknown[..], |it| &it.paints);
-        let mut path = place.path.clone();
-        path.push(veil.mark.part);
+        let path = place.path_to(veil.mark.part);
         let mut before = 0.0;
         for (paint, share) in paints {
             // All shares together hide what the veil hides.

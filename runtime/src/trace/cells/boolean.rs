@@ -1,6 +1,7 @@
 //! Booleans: the pieces of a ray inside, from the pieces inside the operands (GT95, section 3).
 //!
-//! An operand is looked at only where the ones before it leave something.
+//! An operand is looked at only where the ones before it leave something, and operands of an intersection that are single primitives
+//! say beforehand where that may be.
 
 use std::mem;
 

@@ -247,6 +247,11 @@ impl Program {
         }
         limits
     }
+
+    /// Whether a limit was given by its name.
+    pub fn allows(&self, name: &str) -> bool {
+        self.allow.iter().any(|it| it.name == name)
+    }
 }
 
 /// What is not let pass.

@@ -72,6 +72,8 @@ pub(crate) struct Canon {
     /// By node, the search that saw it last, and its number in that.
     seen: Vec<(u32, u32)>,
     searches: u32,
+    /// Nodes that were gone through so far.
+    spent: u64,
 }
 
 /// All states that one leads to, in the order in which they were met, each with the place in the list of the one it was
@@ -88,7 +90,13 @@ impl Canon {
             nodes: Vec::new(),
             seen: Vec::new(),
             searches: 0,
+            spent: 0,
         }
+    }
+
+    /// How many nodes it has gone through so far; primitives count as more.
+    pub(crate) fn spent(&self) -> u64 {
+        self.spent
     }
 
     /// The same state with its data coarse, as it is kept here.
@@ -211,6 +219,7 @@ impl Canon {
         let before = self.walker.work();
         let drawn = self.walker.draw(flow, &state);
         let work = self.walker.work() - before;
+        self.spent += work;
         let successors = drawn.successors.into_iter();
         let next = successors.map(|it| (self.number(Self::coarse(flow, it.state)), it.called)).collect();
         let node = &mut self.nodes[number as usize];
@@ -432,8 +441,9 @@ impl Canon {
             }
             tried += 1;
             Ok(Meeting::Own(state))
-        })?;
-        match outcome {
+        });
+        self.spent += walker.work();
+        match outcome? {
             Outcome::Extent(extent) => Ok(extent),
             Outcome::Endless { way, cycle, is_wide } => {
                 let blame = if is_wide { Blame::Depth } else { Blame::Cycle };

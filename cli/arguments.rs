@@ -248,9 +248,10 @@ impl Program {
         limits
     }
 
-    /// Whether a limit was given by its name.
-    pub fn allows(&self, name: &str) -> bool {
-        self.allow.iter().any(|it| it.name == name)
+    /// The limits of a picture of so many pixels: a small one may take less work, unless somebody said how much.
+    pub fn with_work(&self, limits: Limits, pixels: u64) -> Limits {
+        let is_given = self.allow.iter().any(|it| it.name == "work");
+        if is_given { limits } else { Limits { work: Limits::work_for(pixels), ..limits } }
     }
 }
 

@@ -165,7 +165,8 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     let program = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;
-    let limits = with_work(limits, arguments, &options);
+    let size = options.crop.map(|it| (it.width, it.height)).or(options.size).unwrap_or_default();
+    let limits = arguments.program.with_work(limits, u64::from(size.0) * u64::from(size.1));
     let compiled = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -186,15 +187,6 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
         stats: traced.stats(compiled),
         picture: traced.picture,
     })
-}
-
-/// The limits of a picture: a small one may take less work, unless somebody said how much.
-fn with_work(limits: Limits, arguments: &Render, options: &RenderOptions) -> Limits {
-    if arguments.program.allows("work") {
-        return limits;
-    }
-    let size = options.crop.map(|it| (it.width, it.height)).or(options.size).unwrap_or_default();
-    Limits { work: Limits::work_for(u64::from(size.0) * u64::from(size.1)), ..limits }
 }
 
 /// Makes a scanner of a program, and tells what it leaves out.

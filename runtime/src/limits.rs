@@ -82,7 +82,7 @@ impl Limits {
     #[must_use]
     pub fn work_for(pixels: u64) -> u64 {
         /// Of a picture of one pixel, and for each more.
-        const LEAST: u64 = 500_000_000;
+        const LEAST: u64 = 400_000_000;
         const FOR_EACH: u64 = 1_000_000;
         Self::default().work.min(LEAST.saturating_add(pixels.saturating_mul(FOR_EACH)))
     }

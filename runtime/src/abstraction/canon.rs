@@ -35,6 +35,8 @@ const MOST_SKETCHED: usize = 1 << 14;
 const MOST_ROUND: usize = 1 << 14;
 /// Nodes of the states of a search, all together, for each state that it may have.
 const WORK: u64 = 1 << 7;
+/// Nodes that a part of a state counts as where it is found what that amounts to.
+const SOLVED: u64 = 16;
 /// States of a run that turn out to lead to too many, after which no other one is tried.
 const MOST_TRIED: u32 = 16;
 /// States with any numbers that are kept before all of them are forgotten.
@@ -341,6 +343,8 @@ impl Canon {
         if components.iter().any(|it| it.len() > 1 && it.iter().map(weight).sum::<usize>() > MOST_ROUND) {
             return Ok(false);
         }
+        // Each part is looked at again and again until bounds hold.
+        self.spent += SOLVED * (0..found.len() as u32).map(|it| weight(&it) as u64).sum::<u64>();
         for component in &components {
             if self.nodes[found[component[0] as usize].0 as usize].extent.is_none() {
                 self.solve_one(flow, found, component)?;

@@ -205,7 +205,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
             #[inline(always)]
             || tracing.search(generation, &mut scratch, ask, Start { cell, passage }),
         )?;
-        tracing.store.spend(ask.steps)
+        tracing.store.has_stepped(ask.steps)
     }
 
     /// Notes what a ray saw that stands for so much area.

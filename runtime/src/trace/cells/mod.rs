@@ -289,7 +289,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// Tells the store of all steps.
     #[inline(never)]
     fn tell(&mut self) -> Result<(), Fault> {
-        self.tracing.store.spend(std::mem::take(&mut self.steps))
+        self.tracing.store.has_stepped(std::mem::take(&mut self.steps))
     }
 
     /// What the beams of a packet see.

@@ -38,6 +38,10 @@ const EXPANDED: u64 = 256;
 const PIECE: u64 = 128;
 /// The same for each node that is gone through on abstract values.
 const SURVEYED: u64 = 8;
+/// The same for each piece that is asked how far it reaches.
+const MEASURED: u64 = 4;
+/// The same for a step of a ray: some of them meet Booleans, and surfaces that take long.
+const STEP: u64 = 4;
 
 /// All that threads share.
 #[derive(Debug)]
@@ -261,12 +265,20 @@ impl<'s> Store<'s> {
     ///
     /// # Errors
     /// The limit of all that rays of a picture may take.
-    pub(super) fn spend(&self, work: u64) -> Result<(), Fault> {
+    fn spend(&self, work: u64) -> Result<(), Fault> {
         let most = self.limits.work;
         if self.work.fetch_add(work, Ordering::Relaxed).saturating_add(work) <= most {
             return Ok(());
         }
         Err(Fault::new(FaultKind::Limit { limit: Limit::Work, most }, Origin::NONE))
+    }
+
+    /// Counts steps of rays.
+    ///
+    /// # Errors
+    /// As [`Store::spend`].
+    pub(super) fn has_stepped(&self, steps: u64) -> Result<(), Fault> {
+        self.spend(STEP.saturating_mul(steps))
     }
 
     /// Counts a state that was expanded into so many pieces, by so many operations.
@@ -284,6 +296,14 @@ impl<'s> Store<'s> {
     /// As [`Store::spend`].
     pub(super) fn has_surveyed(&self, nodes: u64) -> Result<(), Fault> {
         self.spend(SURVEYED * nodes)
+    }
+
+    /// Counts pieces that were asked how far they reach.
+    ///
+    /// # Errors
+    /// As [`Store::spend`].
+    pub(super) fn has_measured_pieces(&self, pieces: usize) -> Result<(), Fault> {
+        self.spend(MEASURED * pieces as u64)
     }
 
     /// A state as a step of a trail.

@@ -56,6 +56,8 @@ impl Measure {
 const VAST: u64 = 1 << 20;
 /// Bytes of pieces that a workshop has at hand at most while it is worked in.
 const MOST_PIECES: usize = 64 << 20;
+/// The same of what states amount to.
+const MOST_EXTENTS: usize = 128 << 20;
 /// States of one recursion inside one another from which on a state is tall.
 const TALL: u32 = 64;
 
@@ -70,6 +72,8 @@ pub(super) struct Bench<'s> {
     bytes: usize,
     /// How many of these the pieces take.
     piece_bytes: usize,
+    /// How many of these the extents take.
+    extent_bytes: usize,
 }
 
 /// What is known of a state. All of it follows from the state alone.
@@ -89,6 +93,7 @@ impl<'s> Bench<'s> {
             known: Vec::new(),
             bytes: 0,
             piece_bytes: 0,
+            extent_bytes: 0,
         }
     }
 
@@ -104,7 +109,16 @@ impl<'s> Bench<'s> {
         // New ones, so that what they had grown to is given back.
         self.numbers = Numbers::default();
         self.known = Vec::new();
-        (self.bytes, self.piece_bytes) = (0, 0);
+        (self.bytes, self.piece_bytes, self.extent_bytes) = (0, 0, 0);
+    }
+
+    /// Forgets what states amount to when it is too much.
+    #[inline]
+    fn make_room_for_extents(&mut self) {
+        if self.extent_bytes > MOST_EXTENTS {
+            self.known.iter_mut().for_each(|it| it.extent = None);
+            self.bytes -= std::mem::take(&mut self.extent_bytes);
+        }
     }
 
     /// Keeps what a state expands to. Of what takes most room all is forgotten when it is too much: it is made again when it is needed.
@@ -246,6 +260,7 @@ impl<'a, 's> Workshop<'a, 's> {
     }
 
     fn extent(&mut self, number: u32) -> Result<&Extent, Fault> {
+        self.bench().make_room_for_extents();
         if self.bench().known[number as usize].extent.is_none() {
             let state = self.state(number);
             let extent = self.surveyed(&state)?;
@@ -272,6 +287,7 @@ impl<'a, 's> Workshop<'a, 's> {
     pub(super) fn know(&mut self, number: u32, extent: Extent) {
         let bench = self.bench();
         bench.bytes += size_of::<Extent>();
+        bench.extent_bytes += size_of::<Extent>();
         bench.known[number as usize].extent = Some(Box::new(extent));
     }
 

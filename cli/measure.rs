@@ -54,7 +54,8 @@ pub fn measure(arguments: Measure, console: Console) -> Result<(), Failure> {
     let quiet = Bar::new(Console { quiet: true, ..console });
     let format = arguments.format;
     let measured = supervise(&progress, quiet, move |progress| {
-        let limits = arguments.program.limits();
+        // Nobody waits for the bounds of a scene as for a large picture of it.
+        let limits = arguments.program.with_work(arguments.program.limits(), 0);
         let understood = compile(&arguments.file, &arguments.program, limits, console)?;
         look(&understood, arguments.seeds, &limits, progress).map_err(|fault| understood.failure(&fault, console))
     })?;
@@ -101,11 +102,11 @@ fn text(measured: &Measured) -> String {
             line("depth", &census.depth.map_or_else(|| "endless".to_owned(), |it| it.to_string()));
             line("largest step", &format!("{} parts: {}", census.largest.0, shown_text(&census.largest.1)));
         }
-        None => line("primitives", "cannot be counted: too many branches draw how many they are"),
+        None => line("primitives", "cannot be counted: too many parts, or branches that draw how many they are"),
     }
     match measured.states {
         Some(states) => line("states", &Number::Exact(states as u128).to_string()),
-        None => line("states", &format!("more than {}", Number::Exact(MOST_STATES as u128))),
+        None => line("states", &format!("more than {}, or too much in them", Number::Exact(MOST_STATES as u128))),
     }
     let Aabb { min, max } = measured.bounds;
     if measured.bounds.is_empty() {

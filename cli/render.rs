@@ -165,6 +165,8 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     let program = compile(arguments.file(), &arguments.program, limits, console)?.stopping_after(arguments.until);
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;
+    let size = options.crop.map(|it| (it.width, it.height)).or(options.size).unwrap_or_default();
+    let limits = arguments.program.with_work(limits, u64::from(size.0) * u64::from(size.1));
     let compiled = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -257,6 +259,7 @@ impl Traced {
             seconds: Seconds { compile, prepare: self.prepare, render: self.render },
             cpu_seconds: CpuSeconds { render: self.cpu },
             states: self.counts.map(|it| it.states),
+            work: self.counts.map(|it| it.work),
             cells_built: self.counts.map(|it| it.built),
             cells: self.counts.map(|it| it.cells),
             cell_bytes: self.counts.map(|it| it.cell_bytes),

@@ -14,6 +14,8 @@ pub struct Stats {
     pub cpu_seconds: CpuSeconds,
     /// States that were expanded; those that were dropped and needed again count again.
     pub states: Option<u64>,
+    /// Steps of all rays with what was made for them, as the limit `work` counts them.
+    pub work: Option<u64>,
     /// Cells that were built; those that were dropped and needed again count again.
     pub cells_built: Option<u64>,
     /// The most cells that were kept at once.

@@ -190,6 +190,13 @@ fn what_grows_meets_its_limit_before_the_memory_is_taken() {
         ("csg S { start repeat 1e4 as i { repeat 1e4 as j { if i + j < 0 { box } } } | sphere; }", "E0914"),
         ("csg S { start variant(0) box; }", "E1008"),
         ("csg S { start variant(1e300) box; }", "E0914"),
+        // Ackermann's function, and Fibonacci's numbers.
+        (
+            "fn a(m, n) = if m == 0 then n + 1 else if n == 0 then a(m - 1, 1) else a(m - 1, a(m, n - 1)); let z = a(4, 4); \
+             csg S { start uscale(z) box; }",
+            "E0912",
+        ),
+        ("fn f(n) = if n < 2 then 1 else f(n - 1) + f(n - 2); let z = f(60); csg S { start uscale(z) box; }", "E0913"),
         ("fn f(x) = f(x); let z = f(1); csg S { start uscale(z) box; }", "E0912"),
         ("fn f(n) = if n == 0 then 1 else f(n-1) + f(n-1); let z = f(40); csg S { start uscale(z) box; }", "E0913"),
         ("csg S { fn f(x) = g(x); fn g(x) = f(x); start uscale(f(1)) box; }", "E0912"),

@@ -6,7 +6,7 @@
 mod common;
 
 use common::compiled;
-use treegen_compiler::{Compiled, problem_of_fault, show, show_json};
+use treegen_compiler::{Compiled, certain_faults, idle_rules, problem_of_fault, show, show_json};
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -190,9 +190,25 @@ fn systems_of_very_many_parts_are_drawn_or_meet_a_limit() {
             "enum E {{ {} }} csg S {{ start if E.c0 == E.c1 {{ box }} else {{ sphere }}; }}",
             many(6_000, ", ", &|it| format!("c{it}"))
         ),
+        // As many calls of a module as it has rules, each of which waits for another number of its counter.
+        format!(
+            "csg S {{ start t(3); {} t(n) -> box; }}",
+            many(30_000, "", &|it| format!("t(n) if n == {it} -> t(n - 1);\n"))
+        ),
+        format!("csg S {{ start t; {} t -> box; }}", many(60_000, "", &|_| "t if 2 < 1 -> sphere;\n".into())),
+        // As long a way as there are modules.
+        format!(
+            "csg S {{ start t0(3); {} t4000(n) -> box; }}",
+            many(4_000, "", &|it| format!("t{it}(n) if n <= 9 -> t{}(n); t{it}(n) -> box;\n", it + 1))
+        ),
     ];
     for text in texts {
         let found = outcome(&text);
         assert!(found == "fine" || found.starts_with("E09"), "{found}: {text:.80}");
+        // What `check` says besides.
+        let compiled = compiled(&text);
+        let scene = compiled.scene.as_ref().unwrap();
+        let faults = certain_faults(scene, &Limits::default(), &compiled.vocabulary);
+        assert!(idle_rules(&compiled).len() <= 60_000 && faults.is_empty(), "{faults:?}: {text:.80}");
     }
 }

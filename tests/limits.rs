@@ -5,11 +5,16 @@
 mod common;
 
 use common::compiled;
+use glam::DVec3;
 use treegen_compiler::{Loaded, NoFiles, Options, allow, compile, problem_of_fault};
-use treegen_runtime::Limits;
+use treegen_runtime::form::{Camera, Lens, Scene};
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::reference::Reference;
+use treegen_runtime::{Fault, Limits};
+
+const CAMERA: Camera =
+    Camera { eye: DVec3::new(3.0, -9.0, 4.0), target: DVec3::ZERO, up: DVec3::Z, lens: Lens::Perspective(40.0) };
 
 /// What a small picture comes to under a limit: `fine`, or the code of the first error.
 fn outcome(text: &str, name: &str, value: u64, by_the_book: bool) -> String {
@@ -61,6 +66,44 @@ fn what_a_program_takes_is_enough_and_one_less_is_not() {
     }
 }
 
+/// On one thread: two may make the same cell at the same time, and both are counted.
+#[test]
+fn all_work_of_a_picture_is_enough_and_one_less_is_not() {
+    let programs = [
+        "csg A { start a(9); a(n) if n == 0 -> box; a(n) -> sphere | uscale(.6) move(1, 0, 0) a(n - 1) | rotz(60) a(n - 1); }",
+        "shape A { start a(9); a(n) if n > 0 -> segment(1, .1, .1) [ rotx(random(9, 30)) a(n - 2) ] rotz(90) a(n - 1); }",
+    ];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    for text in programs {
+        let compiled = compiled(text);
+        let scene = compiled.scene.as_ref().expect(text);
+        let options = RenderOptions { size: Some((16, 12)), samples: Some(1), ..RenderOptions::default() };
+        let drawn = |work: u64| {
+            let limits = Limits { work, ..Limits::default() };
+            let tracer = CellTracer::new(scene, &limits, Culling::State)?;
+            // What is looked for before there is a camera counts by itself.
+            let scene = Scene { camera: Some(CAMERA), ..scene.clone() };
+            render(&scene, &tracer, &options, &()).map(|_| tracer.counts().work)
+        };
+        let (most, outcomes) = pool.install(|| {
+            let most = drawn(u64::MAX).expect(text);
+            (most, [most - 1, most, most + 1].map(drawn))
+        });
+        let code = |it: &Result<u64, Fault>| match it {
+            Ok(work) => work.to_string(),
+            Err(fault) => problem_of_fault(fault, &compiled.vocabulary).code.to_owned(),
+        };
+        assert_eq!(outcomes.each_ref().map(code), ["E0930".to_owned(), most.to_string(), most.to_string()], "{text}");
+    }
+}
+
+#[test]
+fn a_small_picture_may_take_less_work_than_a_large_one() {
+    let work = [0, 256, 480_000, 1 << 26, u64::MAX].map(Limits::work_for);
+    assert!(work.is_sorted() && work[0] >= 100_000_000, "{work:?}");
+    assert_eq!(work[4], Limits::default().work);
+}
+
 #[test]
 fn a_lower_limit_never_makes_what_was_refused_pass() {
     let programs = [
@@ -75,6 +118,7 @@ fn a_lower_limit_never_makes_what_was_refused_pass() {
             "shape A { start a(4); a(n) if n > 0 -> segment(1, .1, .1) [ rotx(30) a(n - 1) ] [ rotx(-30) a(n - 1) ]; }",
         ),
         ("strides", "shape A { start a(9); a(n) if n > 0 -> segment(1, .1, .1) rotx(3) a(n - 1); }"),
+        ("work", "csg A { start repeat 30 as i { move(i, 0, 0) box }; }"),
         ("booleans", "csg A { start a(30); a(n) if n == 0 -> sphere; a(n) -> uscale(2) box & a(n - 1); }"),
         ("steps", "csg A { start repeat 30 as i { move(i, 0, 0) box }; }"),
         ("intervals", "csg A { start box & (repeat 30 as i { move(0, i * .05 - .8, 0) scale(2, .01, 2) box }); }"),

@@ -42,6 +42,8 @@ pub use sources::{Source, Sources};
 pub use treegen_grammar::{FileId, Span};
 pub use vocabulary::Vocabulary;
 
+use std::collections::HashMap;
+
 use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, Limits};
@@ -129,16 +131,20 @@ pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
     let Some(scene) = &compiled.scene else {
         return Vec::new();
     };
-    let is_known = |span: Span| {
-        let inside = |it: Span| it.file == span.file && span.start <= it.start && it.end <= span.end;
-        let known = compiled.problems.iter().filter(|it| matches!(it.code, "W0002" | "W0003"));
-        known.flat_map(|it| &it.labels).any(|it| inside(it.span))
+    let told = compiled.problems.iter().filter(|it| matches!(it.code, "W0002" | "W0003"));
+    let mut told: Vec<Span> = told.flat_map(|it| &it.labels).map(|it| it.span).collect();
+    told.sort_unstable();
+    let is_told = |rule: Span| {
+        let first = told.partition_point(|it| (it.file, it.start) < (rule.file, rule.start));
+        let inside = told[first..].iter().take_while(|it| (it.file, it.start) <= (rule.file, rule.end));
+        inside.into_iter().any(|it| it.end <= rule.end)
     };
+    let counters: HashMap<Span, &check::Counter> = compiled.counters.iter().map(|it| (it.rule, it)).collect();
     let mut problems = Vec::new();
     for rule in treegen_runtime::idle_rules(scene) {
         let span = words::fault::span(rule.origin);
-        if let Some(span) = span.filter(|it| !is_known(*it)) {
-            problems.push(match compiled.counters.iter().find(|it| it.rule == span) {
+        if let Some(span) = span.filter(|it| !is_told(*it)) {
+            problems.push(match counters.get(&span) {
                 Some(counter) => words::warnings::skips_end(counter, &compiled.sources),
                 None => words::warnings::idle_rule(&rule.module, span),
             });

@@ -128,6 +128,7 @@ const RAISED: &[Raised] = raised![
     "strides", "steps of one derivation's walks, and operations of their expressions", strides: u64, Some(Limit::Strides), Change::Allow(1 << 48);
     "planes", "planes of one hull, with the modules that stand for planes", planes: u32, Some(Limit::Planes), Change::Allow(16_384);
     "steps", "boxes and primitives that one ray may meet", steps: u64, Some(Limit::Steps), Change::Allow(1 << 48);
+    "work", "steps of all rays of a picture, with what is made for them", work: u64, Some(Limit::Work), Change::Allow(1 << 60);
     "booleans", "intersections and differences in one another, on one ray", booleans: u32, Some(Limit::Booleans), MANY;
     "intervals", "pieces of one ray inside solids", intervals: u32, Some(Limit::Intervals), MANY;
     "primitives", "primitives that treegen inspect --expand writes", primitives: u64, Some(Limit::Primitives), Change::Option("--limit N");
@@ -195,6 +196,7 @@ mod tests {
             planes,
             strides,
             steps,
+            work,
             booleans,
             intervals,
             primitives,
@@ -207,7 +209,7 @@ mod tests {
         } = limits;
         let small =
             [depth, calls, repeat, list, items, rules, modules, segments, planes, booleans, intervals].map(u64::from);
-        let large = [operations, strides, steps, primitives, triangles, mesh_triangles, mesh_nodes, cell_bytes];
+        let large = [operations, strides, steps, work, primitives, triangles, mesh_triangles, mesh_nodes, cell_bytes];
         let mut changed: Vec<u64> = small.iter().chain(&large).map(|it| it - 7).collect();
         let mut defaults: Vec<u64> = RAISED.iter().map(|it| (it.of)(&Limits::default())).collect();
         changed.sort_unstable();

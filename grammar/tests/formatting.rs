@@ -271,11 +271,13 @@ fn long_texts_are_formatted_in_time_that_grows_with_their_length() {
         many("let a = 1;", 50_000),
         many("// line\n", 100_000),
         format!("csg A {{ start {}box{}; }}", many("(", 250), many(")", 250)),
+        // Each line could be broken at every of its brackets, one after another.
+        many(&format!("let a = {}1{};\n", many("(1 + ", 200), many(")", 200)), 1_000),
+        many(&format!("let a = {}1{};\n", many("min(2, ", 200), many(")", 200)), 1_000),
     ];
     for text in texts {
         let start = std::time::Instant::now();
         formatted(&text);
-        // Far more than it takes, far less than a square would.
         // Far more than it takes, far less than a square would.
         assert!(start.elapsed().as_secs() < 30, "{}", &text[..40]);
     }

@@ -182,6 +182,8 @@ pub enum Limit {
     Strides,
     /// Steps of one ray through the scene.
     Steps,
+    /// Steps of all rays of a picture, and what is made for them.
+    Work,
     /// Booleans inside one another, on one ray.
     Booleans,
     /// Intervals on one ray.

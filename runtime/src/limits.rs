@@ -27,6 +27,9 @@ pub struct Limits {
     pub strides: u64,
     /// Boxes and primitives that one ray may meet.
     pub steps: u64,
+    /// Steps of all rays of a picture, and what is made for them: each state that is expanded counts as some, and so do its parts and the
+    /// operations of its expressions.
+    pub work: u64,
     /// Booleans inside one another, on one ray.
     pub booleans: u32,
     /// Intervals on one ray.
@@ -61,6 +64,7 @@ impl Default for Limits {
             planes: 16_384,
             strides: 100_000_000,
             steps: 10_000_000,
+            work: 1_000_000_000_000,
             booleans: 32_768,
             intervals: 4096,
             primitives: 10_000_000,
@@ -70,5 +74,16 @@ impl Default for Limits {
             lod: 1.0,
             cell_bytes: 256 << 20,
         }
+    }
+}
+
+impl Limits {
+    /// Work that a picture of so many pixels may take at most: what is small shall not take long.
+    #[must_use]
+    pub fn work_for(pixels: u64) -> u64 {
+        /// Of a picture of one pixel, and for each more.
+        const LEAST: u64 = 400_000_000;
+        const FOR_EACH: u64 = 1_000_000;
+        Self::default().work.min(LEAST.saturating_add(pixels.saturating_mul(FOR_EACH)))
     }
 }

@@ -1,5 +1,7 @@
 //! Counters that are compared with `==`: where such a rule turns out never to apply, the counter skips its end.
 
+use std::collections::HashMap;
+
 use treegen_grammar::Span;
 use treegen_grammar::ast::{BinaryOp, SystemKind};
 
@@ -31,11 +33,14 @@ pub(crate) fn find(program: &Program) -> Vec<Counter> {
         if system.kind != SystemKind::Csg || module.select.is_some() {
             continue;
         }
-        for rule in &module.rules {
-            let Some((comparison, sign, slot)) = rule.guard.as_ref().and_then(waits) else { continue };
-            let mut search = Search { id: ModuleId(number as u32), module, slot, found: None };
+        let waiting = || module.rules.iter().filter_map(|it| Some((it, it.guard.as_ref().and_then(waits)?)));
+        let slots = waiting().map(|(_, (.., slot))| (slot, None)).collect();
+        let mut search = Search { id: ModuleId(number as u32), module, found: slots };
+        if !search.found.is_empty() {
             module.rules.iter().for_each(|it| visit::solid(program, &it.body, &mut search));
-            if let Some((change, falls)) = search.found {
+        }
+        for (rule, (comparison, sign, slot)) in waiting() {
+            if let Some(Some((change, falls))) = search.found.get(&slot).copied() {
                 let name = program.slot_name(module.system, slot).to_owned();
                 counters.push(Counter { rule: rule.span, guard: comparison, sign, name, change, falls });
             }
@@ -57,20 +62,22 @@ fn waits(guard: &Expr) -> Option<(Span, Span, SlotId)> {
     }
 }
 
-/// Looks for where a module's rules change its counter.
+/// Looks for where a module's rules change its counters.
 struct Search<'a> {
     id: ModuleId,
     module: &'a Module,
-    slot: SlotId,
-    found: Option<(Span, bool)>,
+    /// For each value that is waited for where it is first changed, and whether by subtracting.
+    found: HashMap<SlotId, Option<(Span, bool)>>,
 }
 
 impl Search<'_> {
-    fn change(&mut self, value: &Expr) {
+    /// Takes note that a value gets another one.
+    fn change(&mut self, slot: SlotId, value: &Expr) {
+        let Some(found) = self.found.get_mut(&slot) else { return };
         let ExprKind::Binary { first, rest } = &value.kind else { return };
         let [(op @ (BinaryOp::Add | BinaryOp::Subtract), _, _)] = rest.as_slice() else { return };
-        if matches!(first.kind, ExprKind::Slot(slot) if slot == self.slot) {
-            self.found.get_or_insert((value.span, *op == BinaryOp::Subtract));
+        if matches!(first.kind, ExprKind::Slot(it) if it == slot) {
+            found.get_or_insert((value.span, *op == BinaryOp::Subtract));
         }
     }
 }
@@ -79,18 +86,15 @@ impl Visitor for Search<'_> {
     fn solid(&mut self, solid: &Solid) {
         if let SolidKind::Module { module, args, .. } = &solid.kind
             && *module == self.id
-            && let Some(place) = self.module.params.iter().position(|it| *it == self.slot)
-            && let Some(value) = args.get(place)
         {
-            self.change(value);
+            let module = self.module;
+            module.params.iter().zip(args).for_each(|(slot, value)| self.change(*slot, value));
         }
     }
 
     fn step(&mut self, step: &Step) {
-        if let Step::Store { slot, value, .. } = step
-            && *slot == self.slot
-        {
-            self.change(value);
+        if let Step::Store { slot, value, .. } = step {
+            self.change(*slot, value);
         }
     }
 }

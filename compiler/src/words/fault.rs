@@ -246,6 +246,7 @@ pub(crate) fn limit_code(limit: Limit) -> &'static str {
         Limit::Planes => "E0927",
         Limit::Cells => "E0928",
         Limit::Booleans => "E0929",
+        Limit::Work => "E0930",
     }
 }
 
@@ -258,6 +259,7 @@ fn limit_words(limit: Limit) -> &'static str {
         Limit::List => "a list has more values than the limit",
         Limit::Nodes => "one part of the form has more pieces than the limit",
         Limit::Steps => "a ray meets more than the limit",
+        Limit::Work => "the picture takes more work than the limit",
         Limit::Booleans => "intersections and differences stand in one another beyond the limit",
         Limit::Intervals => "a ray goes in and out more often than the limit",
         Limit::Pixels => "the picture has more pixels than the limit",

@@ -31,6 +31,7 @@ pub fn limits() -> Limits {
         planes: 128,
         strides: 10_000,
         steps: 10_000,
+        work: 10_000_000,
         booleans: 256,
         intervals: 256,
         primitives: 2_000,

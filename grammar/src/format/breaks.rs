@@ -13,6 +13,9 @@ const LONGEST: usize = 140;
 /// Where a line is broken, its parts are no longer than this.
 const ROOM: usize = 110;
 
+/// Inside more brackets than these lines are left alone: whoever breaks them there takes them as far to the right as they were long.
+const DEEPEST: usize = 32;
+
 /// Breaks every line that is too long at its outermost places; true if there was one.
 pub(super) fn split_long(pieces: &Pieces<'_>, lines: &mut Lines, columns: &Columns) -> bool {
     let long: Vec<Range<usize>> = lines.iter().filter(|it| width(pieces, columns, it) > limit(lines, it)).collect();
@@ -40,18 +43,14 @@ fn width(pieces: &Pieces<'_>, columns: &Columns, line: &Range<usize>) -> usize {
 
 /// Where a line is broken: at the outermost brackets, and there at what parts it best.
 fn places_in(pieces: &Pieces<'_>, columns: &Columns, line: Range<usize>) -> Vec<usize> {
-    let inner = line.start + 1..line.end;
-    let mut depths: Vec<usize> = inner.clone().map(|it| pieces.all[it].depth).collect();
-    depths.sort_unstable();
-    depths.dedup();
-    for depth in depths {
+    let mut inner: Vec<usize> = (line.start + 1..line.end).filter(|it| pieces.all[*it].depth <= DEEPEST).collect();
+    // Those of one depth keep their order.
+    inner.sort_by_key(|it| pieces.all[*it].depth);
+    for alike in inner.chunk_by(|a, b| pieces.all[*a].depth == pieces.all[*b].depth) {
         for (rank, is_every) in RANKS {
-            let fits = |it: &usize| {
-                pieces.all[*it].depth == depth
-                    && pieces.all[*it].kind != Kind::LineComment
-                    && rank(&pieces.all[*it - 1], &pieces.all[*it])
-            };
-            let places: Vec<usize> = inner.clone().filter(fits).collect();
+            let fits =
+                |it: &usize| pieces.all[*it].kind != Kind::LineComment && rank(&pieces.all[*it - 1], &pieces.all[*it]);
+            let places: Vec<usize> = alike.iter().copied().filter(fits).collect();
             if places.is_empty() {
                 continue;
             }

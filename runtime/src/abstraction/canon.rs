@@ -35,6 +35,8 @@ const MOST_SKETCHED: usize = 1 << 14;
 const MOST_ROUND: usize = 1 << 14;
 /// Nodes of the states of a search, all together, for each state that it may have.
 const WORK: u64 = 1 << 7;
+/// Nodes that a part of a state counts as where it is found what that amounts to.
+const SOLVED: u64 = 16;
 /// States of a run that turn out to lead to too many, after which no other one is tried.
 const MOST_TRIED: u32 = 16;
 /// States with any numbers that are kept before all of them are forgotten.
@@ -72,6 +74,8 @@ pub(crate) struct Canon {
     /// By node, the search that saw it last, and its number in that.
     seen: Vec<(u32, u32)>,
     searches: u32,
+    /// Nodes that were gone through so far.
+    spent: u64,
 }
 
 /// All states that one leads to, in the order in which they were met, each with the place in the list of the one it was
@@ -88,7 +92,13 @@ impl Canon {
             nodes: Vec::new(),
             seen: Vec::new(),
             searches: 0,
+            spent: 0,
         }
+    }
+
+    /// How many nodes it has gone through so far; primitives count as more.
+    pub(crate) fn spent(&self) -> u64 {
+        self.spent
     }
 
     /// The same state with its data coarse, as it is kept here.
@@ -211,6 +221,7 @@ impl Canon {
         let before = self.walker.work();
         let drawn = self.walker.draw(flow, &state);
         let work = self.walker.work() - before;
+        self.spent += work;
         let successors = drawn.successors.into_iter();
         let next = successors.map(|it| (self.number(Self::coarse(flow, it.state)), it.called)).collect();
         let node = &mut self.nodes[number as usize];
@@ -332,6 +343,8 @@ impl Canon {
         if components.iter().any(|it| it.len() > 1 && it.iter().map(weight).sum::<usize>() > MOST_ROUND) {
             return Ok(false);
         }
+        // Each part is looked at again and again until bounds hold.
+        self.spent += SOLVED * (0..found.len() as u32).map(|it| weight(&it) as u64).sum::<u64>();
         for component in &components {
             if self.nodes[found[component[0] as usize].0 as usize].extent.is_none() {
                 self.solve_one(flow, found, component)?;
@@ -432,8 +445,9 @@ impl Canon {
             }
             tried += 1;
             Ok(Meeting::Own(state))
-        })?;
-        match outcome {
+        });
+        self.spent += walker.work();
+        match outcome? {
             Outcome::Extent(extent) => Ok(extent),
             Outcome::Endless { way, cycle, is_wide } => {
                 let blame = if is_wide { Blame::Depth } else { Blame::Cycle };

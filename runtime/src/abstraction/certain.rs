@@ -6,7 +6,7 @@
 //! paths, and counts only if it fails on all of them in the same way: what is drawn is not the same on any two.
 
 use super::flow::Flow;
-use super::run::Met;
+use super::run::Explored;
 use super::sketch::AbstractState;
 use super::trouble::Blamed;
 use super::value::Abstract;
@@ -37,21 +37,20 @@ pub(super) fn bounded(limits: &Limits) -> Limits {
 }
 
 /// The faults of those of the states met that are certain to be there, one for each place in the text.
-pub(super) fn faults(scene: &Scene, limits: &Limits, flow: &Flow, met: &[Met]) -> Vec<Fault> {
+pub(super) fn faults(scene: &Scene, limits: &Limits, flow: &Flow, explored: &Explored) -> Vec<Fault> {
     let expander = Expander::new(scene, &bounded(limits));
     let blamed = Blamed { flow, depth: limits.depth };
     let mut faults: Vec<Fault> = Vec::new();
     let mut failed: Vec<&AbstractState> = Vec::new();
-    for it in met.iter().filter(|it| it.certain).take(MOST_STATES) {
-        let Some((state, _)) = it.way.last() else { continue };
+    for it in explored.met.iter().filter(|it| it.certain).take(MOST_STATES) {
         // What is below one that failed is never come to.
-        if it.way.iter().any(|it| failed.contains(&&it.0)) {
+        if !failed.is_empty() && explored.way(it).iter().any(|it| failed.contains(&&it.0)) {
             continue;
         }
-        let Some(fault) = fault_of(&expander, flow, state) else { continue };
-        failed.push(state);
+        let Some(fault) = fault_of(&expander, flow, &it.state) else { continue };
+        failed.push(&it.state);
         if faults.iter().all(|it| it.origin != fault.origin) {
-            faults.push(blamed.below(fault, &it.way));
+            faults.push(blamed.below(fault, &explored.way(it)));
         }
     }
     faults

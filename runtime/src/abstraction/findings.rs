@@ -2,7 +2,7 @@
 
 use super::certain;
 use super::flow::Flow;
-use super::run::{Met, Rest, Run};
+use super::run::{Explored, Met, Rest, Run};
 use super::survey::{Scout, Survey};
 use super::trouble::Blamed;
 use super::walk::{Formals, Walker};
@@ -25,23 +25,26 @@ pub struct IdleRule {
 pub fn idle_rules(scene: &Scene) -> Vec<IdleRule> {
     let flow = Flow::of(scene);
     let mut walker = Walker::new(Formals::Free);
-    let met = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
-    let Some(met) = met else { return Vec::new() };
-    let mut idle = Vec::new();
-    for (number, select) in flow.graph.selects().iter().enumerate() {
-        // What shapes give to what they place is not known.
-        if flow.is_borne(Entry::Select(SelectId(number as u32))) {
-            continue;
-        }
-        let mut states = met.iter().filter(|it| it.entry() == Some(SelectId(number as u32))).peekable();
+    let explored = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
+    let Some(explored) = explored else { return Vec::new() };
+    // For each S-node whether anything is known of it, and for each of its rules whether some state chooses it.
+    let selects = flow.graph.selects();
+    let mut chosen: Vec<Option<Vec<bool>>> = vec![None; selects.len()];
+    for it in &explored.met {
+        let Some(SelectId(number)) = it.entry() else { continue };
+        let number = number as usize;
         // Where something fails before a rule is chosen, nothing is said of the rules.
-        if states.peek().is_none() || states.clone().all(|it| it.chosen.rules.is_empty()) {
-            continue;
+        if !it.chosen.rules.is_empty() {
+            let rules = chosen[number].get_or_insert_with(|| vec![false; selects[number].rules.len()]);
+            it.chosen.rules.iter().for_each(|rule| rules[*rule as usize] = true);
         }
-        for (rule, it) in select.rules.iter().enumerate() {
-            if !states.clone().any(|met| met.chosen.rules.contains(&(rule as u32))) {
-                idle.push(IdleRule { module: select.module.clone(), origin: it.origin });
-            }
+    }
+    let mut idle = Vec::new();
+    for (number, (select, chosen)) in selects.iter().zip(chosen).enumerate() {
+        // What shapes give to what they place is not known.
+        let chosen = chosen.filter(|_| !flow.is_borne(Entry::Select(SelectId(number as u32))));
+        for (rule, _) in select.rules.iter().zip(chosen.into_iter().flatten()).filter(|it| !it.1) {
+            idle.push(IdleRule { module: select.module.clone(), origin: rule.origin });
         }
     }
     idle
@@ -58,22 +61,25 @@ pub fn certain_faults(scene: &Scene, limits: &Limits) -> Vec<Fault> {
     };
     let (flow, live) = (survey.flow(), expander.live_slots(root.entry));
     let mut walker = Walker::new(Formals::AsGiven);
-    let met = Run::new(flow, Rest::Wide, Walker::start(flow, &root, live)).explore(&mut walker).unwrap_or_default();
-    let mut faults = uncovered(flow, &met, limits);
-    faults.extend(certain::faults(scene, limits, flow, &met).into_iter().filter(|it| !is_no_rule(it)));
+    let mut faults = Vec::new();
+    if let Some(explored) = Run::new(flow, Rest::Wide, Walker::start(flow, &root, live)).explore(&mut walker) {
+        faults.extend(uncovered(flow, &explored, limits));
+        faults.extend(certain::faults(scene, limits, flow, &explored).into_iter().filter(|it| !is_no_rule(it)));
+    }
     faults.extend(survey.extent(&mut Scout::default(), &root, live).err());
     faults
 }
 
 /// The first state of each module that the scene leads to for certain and that no rule covers.
-fn uncovered(flow: &Flow, met: &[Met], limits: &Limits) -> Vec<Fault> {
+fn uncovered(flow: &Flow, explored: &Explored, limits: &Limits) -> Vec<Fault> {
     let blamed = Blamed { flow, depth: limits.depth };
-    let mut blamed_selects: Vec<SelectId> = Vec::new();
+    let mut is_blamed = vec![false; flow.graph.selects().len()];
     let mut faults = Vec::new();
-    for it in met.iter().filter(|it| it.certain && it.chosen.may_be_none && it.chosen.rules.is_empty()) {
-        if let Some(select) = it.entry().filter(|it| !blamed_selects.contains(it)) {
-            blamed_selects.push(select);
-            faults.push(blamed.no_rule(flow.graph.select(select), &it.way));
+    for it in explored.met.iter().filter(|it| it.certain && it.chosen.may_be_none && it.chosen.rules.is_empty()) {
+        if let Some(select) = it.entry()
+            && !std::mem::replace(&mut is_blamed[select.0 as usize], true)
+        {
+            faults.push(blamed.no_rule(flow.graph.select(select), &explored.way(it)));
         }
     }
     faults
@@ -87,7 +93,7 @@ fn is_no_rule(fault: &Fault) -> bool {
 impl Met {
     /// The S-node where it is, if it is at one.
     fn entry(&self) -> Option<SelectId> {
-        match self.way.last()?.0.entry {
+        match self.state.entry {
             Entry::Select(id) => Some(id),
             Entry::System(_) => None,
         }

@@ -57,10 +57,17 @@ pub(super) enum Outcome {
     },
 }
 
+/// All that a run has met.
+pub(super) struct Explored<'f> {
+    run: Run<'f>,
+    pub(super) met: Vec<Met>,
+}
+
 /// A state that a run has met.
 pub(super) struct Met {
-    /// The way to it, itself last, with the places of the calls.
-    pub(super) way: Vec<(AbstractState, Origin)>,
+    /// Its number in the run.
+    number: u32,
+    pub(super) state: AbstractState,
     /// What may be chosen there.
     pub(super) chosen: Chosen,
     /// Whether the run's first state leads to it whatever the draws.
@@ -151,9 +158,9 @@ impl<'f> Run<'f> {
     }
 
     /// Runs on from the state it begins at, and gives all that was met; none if it is too much.
-    pub(super) fn explore(mut self, walker: &mut Walker) -> Option<Vec<Met>> {
+    pub(super) fn explore(mut self, walker: &mut Walker) -> Option<Explored<'f>> {
         let is_known = self.go(walker, |state, _| Ok(Meeting::Own(state))).unwrap_or(false);
-        is_known.then(|| self.all_met())
+        is_known.then(|| Explored { met: self.all_met(), run: self })
     }
 
     /// Runs on from the state it begins at, and gives what each state that was met amounts to; none if it is too much, or a
@@ -225,7 +232,7 @@ impl<'f> Run<'f> {
         let met = |number: u32| {
             let node = &self.nodes[number as usize];
             let chosen = node.drawn.as_ref().map(|it| it.chosen.clone()).unwrap_or_default();
-            Met { way: self.way(number), chosen, certain: certain[number as usize] }
+            Met { number, state: node.state.clone(), chosen, certain: certain[number as usize] }
         };
         numbers.map(met).collect()
     }
@@ -423,6 +430,13 @@ impl<'f> Run<'f> {
             before = number;
         }
         Outcome::Endless { way, cycle, is_wide }
+    }
+}
+
+impl Explored<'_> {
+    /// The way to a state, itself last, with the places of the calls. It may be as long as there are states.
+    pub(super) fn way(&self, met: &Met) -> Vec<(AbstractState, Origin)> {
+        self.run.way(met.number)
     }
 }
 

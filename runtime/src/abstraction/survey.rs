@@ -3,6 +3,7 @@
 //! The answer for a state follows from the state alone: what else was asked before, by whom and in which order, makes no
 //! difference, since the frames of cells depend on it.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -47,11 +48,25 @@ struct Lens {
 pub(crate) struct Scout {
     walker: Walker,
     remembered: HashMap<AbstractState, Extent, BuildQuickHash>,
+    /// Nodes gone through for it in what is shared, since somebody asked.
+    shared: Cell<u64>,
+    /// Those of its own walker, when somebody asked.
+    told: u64,
 }
 
 impl Default for Scout {
     fn default() -> Self {
-        Self { walker: Walker::new(Formals::AsGiven), remembered: HashMap::default() }
+        let walker = Walker::new(Formals::AsGiven);
+        Self { walker, remembered: HashMap::default(), shared: Cell::new(0), told: 0 }
+    }
+}
+
+impl Scout {
+    /// How many nodes were gone through for it since this was last asked; primitives count as more.
+    pub(crate) fn take_work(&mut self) -> u64 {
+        let own = self.walker.work() - self.told;
+        self.told += own;
+        own + self.shared.take()
     }
 }
 
@@ -117,29 +132,33 @@ impl Survey {
 impl Lens {
     fn extent(&self, scout: &mut Scout, start: &AbstractState) -> Result<Extent, Fault> {
         if self.flow.at(start.entry).discrete {
-            return self.shared(start.clone());
+            return self.shared(start.clone(), &scout.shared);
         }
         let moved = self.translated.extent(&self.flow, start, |it| self.run(scout, it.clone()).ok());
         moved.map_or_else(|| self.run(scout, start.clone()), Ok)
     }
 
-    fn shared(&self, state: AbstractState) -> Result<Extent, Fault> {
+    fn shared(&self, state: AbstractState, work: &Cell<u64>) -> Result<Extent, Fault> {
         let mut canon = self.canon.lock().unwrap_or_else(PoisonError::into_inner);
-        canon.extent(&self.flow, state)
+        let before = canon.spent();
+        let extent = canon.extent(&self.flow, state);
+        work.set(work.get() + canon.spent() - before);
+        extent
     }
 
     /// What a state with data of its own amounts to: a run that begins with exactly these.
     fn run(&self, scout: &mut Scout, start: AbstractState) -> Result<Extent, Fault> {
         let run = Run::new(&self.flow, Rest::Elsewhere, start.clone());
-        let outcome = run.finish(&mut scout.walker, |state, is_full| {
+        let Scout { walker, shared: work, .. } = scout;
+        let outcome = run.finish(walker, |state, is_full| {
             let discrete = self.flow.at(state.entry).discrete;
             Ok(match (discrete, is_full) {
                 // What is kept for all has no anchors.
                 _ if (discrete || is_full) && state.slots.iter().any(Abstract::is_anchored) => {
                     Meeting::Known(Extent::ALL)
                 }
-                (true, _) => Meeting::Known(self.shared(state)?),
-                (false, true) => Meeting::Known(self.shared(Canon::coarse(&self.flow, state))?),
+                (true, _) => Meeting::Known(self.shared(state, work)?),
+                (false, true) => Meeting::Known(self.shared(Canon::coarse(&self.flow, state), work)?),
                 (false, false) => Meeting::Own(state),
             })
         })?;

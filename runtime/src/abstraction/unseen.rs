@@ -26,8 +26,8 @@ pub fn unseen_segments(scene: &Scene, limits: &Limits) -> Vec<Origin> {
     let limits = bounded(limits);
     let expander = Expander::new(scene, &limits);
     let mut segments = Segments::default();
-    for it in met.unwrap_or_default().iter().filter(|it| it.certain).take(MOST_STATES) {
-        let Some(state) = it.way.last().and_then(|it| concrete(&expander, &flow, &it.0)) else { continue };
+    for it in met.iter().flat_map(|it| &it.met).filter(|it| it.certain).take(MOST_STATES) {
+        let Some(state) = concrete(&expander, &flow, &it.state) else { continue };
         if let Some(shape) = shape_of(&scene.graph, &state) {
             let mut deriver = Deriver::new(&scene.graph, scene.seed, &limits);
             segments.look_at(&mut deriver, shape, &state, &expander);

@@ -4,7 +4,7 @@
 //! Looked for in the states that are certain to be there and know all their values without a draw. What stands at one place of the text
 //! may be there many times, in a `repeat` or for many values: nothing is said of it if it has something in it once.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::{DAffine3, DVec3};
 
@@ -44,22 +44,21 @@ pub fn vain_solids(scene: &Scene, limits: &Limits) -> Vec<Vain> {
     let expander = Expander::new(scene, &bounded(limits));
     let mut walker = Walker::new(Formals::AsGiven);
     let met = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
-    let met = met.unwrap_or_default();
     // Of entries that are met with values that are not looked at, nothing is known.
-    let mut unknown: Vec<Entry> = Vec::new();
+    let mut unknown: HashSet<Entry> = HashSet::new();
     let mut found: Vec<(Entry, Places)> = Vec::new();
-    for (number, it) in met.iter().enumerate() {
-        let Some((state, _)) = it.way.last() else { continue };
-        let state = (it.certain && number < MOST_STATES).then(|| concrete(&expander, &flow, state)).flatten();
+    for (number, it) in met.iter().flat_map(|it| &it.met).enumerate() {
+        let state = (it.certain && number < MOST_STATES).then(|| concrete(&expander, &flow, &it.state)).flatten();
         let group = state.filter(|it| it.path.is_none()).and_then(|it| expander.expand(&it).ok());
-        let entry = it.way.last().map(|it| it.0.entry);
-        match (group, entry) {
-            (Some(group), Some(entry)) => {
+        match group {
+            Some(group) => {
                 let mut places = Places::new();
                 look(&group, &mut places);
-                found.push((entry, places));
+                found.push((it.state.entry, places));
             }
-            (_, entry) => unknown.extend(entry),
+            None => {
+                unknown.insert(it.state.entry);
+            }
         }
     }
     let mut all = Places::new();

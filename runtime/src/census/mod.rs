@@ -9,6 +9,8 @@ mod number;
 mod states;
 mod tally;
 
+use std::cell::Cell;
+
 pub use number::Number;
 pub use states::count_states;
 
@@ -18,7 +20,7 @@ use crate::form::Scene;
 use crate::limits::Limits;
 use crate::picture::Watch;
 use crate::trace::Expander;
-use tally::{Counter, Tally};
+use tally::{Counter, MOST_PARTS, Tally};
 
 /// What a scene comes to with one seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +59,8 @@ pub fn census(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<Optio
     let expander = Expander::new(&bare, limits);
     let root = expander.root()?;
     let chance = root.path.is_some();
-    let counter = Counter::new(&expander, limits, watch);
+    let left = Cell::new(MOST_PARTS);
+    let counter = Counter::new(&expander, limits, watch, &left);
     Ok(counter.run(root)?.map(|(tally, largest)| {
         let Tally { primitives, modules, depth } = tally;
         Census { primitives, modules, depth, largest, chance }
@@ -72,12 +75,13 @@ pub fn over_seeds(scene: &Scene, seeds: u32, limits: &Limits, watch: &dyn Watch)
     let Some(mut bare) = bare(scene) else {
         return Ok(None);
     };
+    let left = Cell::new(MOST_PARTS);
     let mut sum = 0.0;
     let mut range: Option<[(Number, u64); 2]> = None;
     for seed in (0..u64::from(seeds)).map(|it| scene.seed.wrapping_add(it)) {
         bare.seed = seed;
         let expander = Expander::new(&bare, limits);
-        let Some((tally, _)) = Counter::new(&expander, limits, watch).run(expander.root()?)? else {
+        let Some((tally, _)) = Counter::new(&expander, limits, watch, &left).run(expander.root()?)? else {
             return Ok(None);
         };
         let found = (tally.primitives, seed);

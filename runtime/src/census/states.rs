@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::tally::MOST_PARTS;
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Origin, Scene};
 use crate::limits::Limits;
@@ -9,7 +10,7 @@ use crate::picture::Watch;
 use crate::quick_hash::BuildQuickHash;
 use crate::trace::{Expander, Group, Solid, State};
 
-/// How many states a scene has: each is expanded once, however often it is laid down. `None`: more than `most`.
+/// How many states a scene has: each is expanded once, however often it is laid down. `None`: more than `most`, or too much in them.
 ///
 /// # Errors
 /// A fault on the way, or an interrupt.
@@ -18,16 +19,19 @@ pub fn count_states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Wat
     let mut seen: HashSet<State, BuildQuickHash> = HashSet::default();
     let mut ahead = vec![expander.root()?];
     seen.extend(ahead.iter().cloned());
+    let mut left = MOST_PARTS;
     while let Some(state) = ahead.pop() {
         if watch.interrupted() {
             return Err(Fault::new(FaultKind::Interrupted, Origin::NONE));
         }
-        called(&expander.expand(&state)?, &mut |it| {
+        let group = expander.expand(&state)?;
+        left = left.saturating_sub(group.items.len() as u64);
+        called(&group, &mut |it| {
             if seen.len() <= most && seen.insert(it.clone()) {
                 ahead.push(it.clone());
             }
         });
-        if seen.len() > most {
+        if seen.len() > most || left == 0 {
             return Ok(None);
         }
     }

@@ -3,6 +3,7 @@
 //! The walk has a stack of its own. States that lead back to themselves are found on the way (Tarjan, 1972): what
 //! such a circle lays down has no end.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 
 use super::Number;
@@ -16,6 +17,8 @@ use crate::trace::{Expander, Group, Solid, State};
 
 /// States that are looked at before it is too much.
 const MOST_STEPS: u32 = 1 << 21;
+/// Parts of states, all together, before it is too much.
+pub(super) const MOST_PARTS: u64 = 1 << 25;
 /// States that are remembered. Those with a path hardly ever come again, and are forgotten once there are so many.
 const MOST_KEPT: usize = 1 << 17;
 
@@ -64,11 +67,14 @@ pub(super) struct Counter<'e, 's> {
     /// States that are done themselves but may lead back to one that is not.
     open: Vec<(State, u32)>,
     met: u32,
+    /// How many parts may still be looked at.
+    left: &'e Cell<u64>,
     largest: Step,
 }
 
 impl<'e, 's> Counter<'e, 's> {
-    pub(super) fn new(expander: &'e Expander<'s>, limits: &Limits, watch: &'e dyn Watch) -> Self {
+    /// A counter that may look at so many parts as are left.
+    pub(super) fn new(expander: &'e Expander<'s>, limits: &Limits, watch: &'e dyn Watch, left: &'e Cell<u64>) -> Self {
         Self {
             expander,
             depth: limits.depth,
@@ -77,6 +83,7 @@ impl<'e, 's> Counter<'e, 's> {
             frames: Vec::new(),
             open: Vec::new(),
             met: 0,
+            left,
             largest: (0, String::new()),
         }
     }
@@ -104,7 +111,7 @@ impl<'e, 's> Counter<'e, 's> {
                     frame.itself |= number == frame.number;
                 }
                 None => {
-                    if self.met >= MOST_STEPS {
+                    if self.met >= MOST_STEPS || self.left.get() == 0 {
                         return Ok(None);
                     }
                     self.enter(state).map_err(|it| self.led_to(it))?;
@@ -125,6 +132,7 @@ impl<'e, 's> Counter<'e, 's> {
         }
         let group = self.expander.expand(&state)?;
         let (primitives, parts) = (leaves(&group), parts(&group));
+        self.left.set(self.left.get().saturating_sub(parts.into()));
         if parts > self.largest.0 {
             self.largest = (parts, self.expander.trail_step(&state, Origin::NONE).name);
         }

@@ -104,13 +104,23 @@ pub struct Deriver<'g> {
     ancestry: Ancestry,
     /// How many segments and stems the last derivation left.
     left: [usize; 2],
+    /// Strides and operations of the last derivation, and what its rules come to.
+    work: u64,
 }
+
+/// Strides that a rule counts as: to lay modules down and to find whose turn it is.
+const RULE: u64 = 16;
 
 impl<'g> Deriver<'g> {
     /// A deriver for a graph, whose draws depend on the seed.
     pub fn new(graph: &'g Graph, seed: u64, limits: &Limits) -> Self {
         let machine = Machine::new(graph.functions(), seed, limits);
-        Self { graph, machine, waiting: Waiting::default(), ancestry: Ancestry::default(), left: [0; 2] }
+        Self { graph, machine, waiting: Waiting::default(), ancestry: Ancestry::default(), left: [0; 2], work: 0 }
+    }
+
+    /// How much work the last derivation was: its strides, the operations of its expressions, and its rules, of which each counts as some.
+    pub(crate) fn work(&self) -> u64 {
+        self.work
     }
 
     /// Derives a shape in the environment of its system.
@@ -157,7 +167,11 @@ impl<'g> Deriver<'g> {
             derivation.apply(ticket)?;
         }
         derivation.settle_all()?;
-        Ok((derivation.list, derivation.splits))
+        let operations = derivation.machine.operations() - derivation.operations;
+        let work = derivation.strides + RULE * derivation.rules + operations;
+        let (list, splits) = (derivation.list, derivation.splits);
+        self.work = work;
+        Ok((list, splits))
     }
 }
 
@@ -192,7 +206,7 @@ struct Derivation<'d, 'g, W> {
 
 impl<'d, 'g, W: Watcher> Derivation<'d, 'g, W> {
     fn new(deriver: &'d mut Deriver<'g>, shape: ShapeId, env: &Env, watcher: &'d mut W) -> Self {
-        let Deriver { graph, machine, waiting, ancestry, left } = deriver;
+        let Deriver { graph, machine, waiting, ancestry, left, .. } = deriver;
         let shape = graph.shape(shape);
         let most_params = shape.modules.iter().map(|it| it.params.len()).max().unwrap_or(0);
         let priorities = prepared::priorities(shape);

@@ -97,6 +97,11 @@ impl<'g> Machine<'g> {
         self.before + self.operations
     }
 
+    /// Takes note of operations done elsewhere for whoever runs it.
+    pub(crate) fn has_done(&mut self, operations: u64) {
+        self.before = self.before.saturating_add(operations);
+    }
+
     /// Runs a code in an environment.
     ///
     /// # Errors

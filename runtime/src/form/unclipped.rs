@@ -9,10 +9,16 @@ impl Graph {
     pub(super) fn find_unclipped(&self) -> Box<[bool]> {
         let mut unclipped = vec![false; self.shapes().len()];
         let mut seen = vec![false; self.nodes().len()];
+        // A module may have as many rules as it has calls: they are gone through once.
+        let mut called = vec![false; self.selects().len()];
         let mut ahead = vec![self.system(self.root()).start];
         while let Some(node) = ahead.pop() {
-            if !std::mem::replace(&mut seen[node.0 as usize], true) {
-                self.go_on(node, &mut ahead, &mut unclipped);
+            if std::mem::replace(&mut seen[node.0 as usize], true) {
+                continue;
+            }
+            match self.node(node) {
+                Node::Call(call) if std::mem::replace(&mut called[call.select.0 as usize], true) => {}
+                _ => self.go_on(node, &mut ahead, &mut unclipped),
             }
         }
         unclipped.into()

@@ -46,7 +46,8 @@ impl<'s> Stage<'s> {
     pub fn draw(&mut self, camera: &Camera, options: &RenderOptions, watch: &dyn Watch) -> Result<&Picture, Fault> {
         let view = View::new(self.scene, options)?;
         let sight = Sight::new(self.scene, &view, camera);
-        let shadows = Shadows::new(self.scanner, &sight.suns(), &sight.projection(), self.shadows.take(), watch);
+        let seen = (&sight.projection(), f64::from(view.width) * f64::from(view.height));
+        let shadows = Shadows::new(self.scanner, &sight.suns(), seen, self.shadows.take(), watch);
         let order = Order {
             scene: self.scene,
             view: &view,

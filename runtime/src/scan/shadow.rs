@@ -31,6 +31,10 @@ const ROWS: u32 = 32;
 /// How many texels all layers of all maps together have at most, and how many one has along a side.
 const MOST_TEXELS: f64 = (1u32 << 25) as f64;
 const MOST_SIDE: f64 = 4096.0;
+/// How many they have at most in a picture of no pixels, and how many more for each: where what casts shadows is far larger than what is seen,
+/// a small picture shall not take as long as a large one.
+const LEAST_TEXELS: f64 = (1u32 << 20) as f64;
+const FOR_A_PIXEL: f64 = 128.0;
 /// How many texels lie side by side in a pixel of the picture, where that is near.
 const FINE: f64 = 2.0;
 /// Sizes of texels are whole powers of two to this.
@@ -119,19 +123,19 @@ enum Layer {
 }
 
 impl Shadows {
-    /// The shadows of suns in these directions, for a picture that is seen so. If the watch wishes to stop, they are not whole. `old` are
+    /// The shadows of suns in these directions, for a picture of so many pixels that is seen so. If the watch wishes to stop, they are not whole. `old` are
     /// those of another picture of the same scene: maps that would come out the same are taken from there.
     pub(crate) fn new(
         scanner: &Scanner,
         suns: &[DVec3],
-        seen: &Projection,
+        (seen, pixels): (&Projection, f64),
         old: Option<Self>,
         watch: &dyn Watch,
     ) -> Self {
         let (mut old, large) = old.map_or_else(|| (Vec::new(), Large::new(&scanner.model)), |it| (it.maps, it.large));
         let through = scanner.materials.are_translucent();
         let layers = suns.len().max(1) * if through { 2 } else { 1 };
-        let most = MOST_TEXELS / layers as f64;
+        let most = MOST_TEXELS.min(LEAST_TEXELS + FOR_A_PIXEL * pixels) / layers as f64;
         let wanted = suns.iter().filter_map(|it| Some(Wish { toward: *it, texel: texel(&large.rest, seen)?, most }));
         let maps = wanted.filter_map(|wish| {
             if let Some(number) = old.iter().position(|it| it.wish == wish && it.is_whole) {

@@ -8,6 +8,7 @@
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DAffine3;
 use smallvec::SmallVec;
@@ -34,12 +35,20 @@ pub struct Reference<'s> {
     /// How the surfaces of its materials are carved.
     roughs: Roughs,
     limits: Limits,
+    /// Work of all rays so far: primitives that were met, and operations.
+    work: AtomicU64,
 }
 
 impl<'s> Reference<'s> {
     /// A walker through a scene.
     pub fn new(scene: &'s Scene, limits: &Limits) -> Self {
-        Self { scene, hides: scene.hides(), roughs: Roughs::new(&scene.materials, scene.seed), limits: *limits }
+        Self {
+            scene,
+            hides: scene.hides(),
+            roughs: Roughs::new(&scene.materials, scene.seed),
+            limits: *limits,
+            work: AtomicU64::new(0),
+        }
     }
 
     /// Everything on a line: t from -inf to inf.
@@ -71,6 +80,10 @@ impl<'s> Reference<'s> {
             booleans: 0,
         };
         let line = walk.pass(graph.system(graph.root()).start, here)?;
+        let work = walk.steps + walk.machine.operations();
+        if self.work.fetch_add(work, Ordering::Relaxed).saturating_add(work) > self.limits.work {
+            return Err(limit(Limit::Work, self.limits.work, Origin::NONE));
+        }
         Ok(Walked { line, surfaces: walk.surfaces, selected: walk.selected })
     }
 

@@ -47,7 +47,8 @@ pub(super) fn each_part<T: Taker + ?Sized>(taker: &mut T, stem: &Stem, joints: &
     result
 }
 
-/// Derives a shape, and hands on its parts: first the solids that were placed, then the stems.
+/// Derives a shape, and hands on its parts: first the solids that were placed, then the stems. Gives how much work that was, in operations of
+/// expressions.
 pub(crate) fn parts(
     graph: &Graph,
     shape: ShapeId,
@@ -55,23 +56,27 @@ pub(crate) fn parts(
     seed: u64,
     limits: &Limits,
     taker: &mut impl Taker,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     if graph.shape(shape).splitting.is_some() {
         let mut deriver = Deriver::new(graph, seed, limits);
         let (normals, family) = deriver.normals_and_family(shape, env, &mut Solids(taker))?;
         let hull = hull(graph, shape, &normals)?;
         if limits.lod > 0.0 {
-            return taker.hull(Hull { primitive: hull.primitive.with_levels(&family, limits.lod), ..hull });
+            taker.hull(Hull { primitive: hull.primitive.with_levels(&family, limits.lod), ..hull })?;
+        } else {
+            taker.hull(hull)?;
         }
-        return taker.hull(hull);
+        // Each plane is clipped by all others.
+        return Ok(deriver.work() + (normals.len() * normals.len()) as u64);
     }
-    let list = Deriver::new(graph, seed, limits).derive(shape, env, &mut Solids(taker))?;
+    let mut deriver = Deriver::new(graph, seed, limits);
+    let list = deriver.derive(shape, env, &mut Solids(taker))?;
     let mut joints = Joints::default();
     for stem in list.stems() {
         joints.fit(list.segments(stem));
         taker.stem(stem, &joints)?;
     }
-    Ok(())
+    Ok(deriver.work())
 }
 
 /// What lies behind the planes of normals. It has an end, or is cut by others wherever it stands.

@@ -169,7 +169,9 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
         let Expander { graph, seed, limits, .. } = self.expander;
         let env = self.env.clone();
         let mut taker = InGroup { walk: self, group, here };
-        shapes::parts(graph, shape, &env, *seed, limits, &mut taker)
+        let work = shapes::parts(graph, shape, &env, *seed, limits, &mut taker)?;
+        self.machine.has_done(work);
+        Ok(())
     }
 
     /// Notes what stands in the slots that a code assigns.

@@ -118,6 +118,9 @@ impl Trails {
     /// Whether one surface was written before another.
     #[cold]
     pub(super) fn is_before(&self, one: Mark, other: Mark) -> bool {
+        if one.trail == other.trail {
+            return one.part & PART < other.part & PART;
+        }
         let order = |mark: Mark| self.path(mark).into_iter().map(|it| it & PART);
         order(one).lt(order(other))
     }

@@ -204,7 +204,8 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
         tracing.kernel.vectorize(
             #[inline(always)]
             || tracing.search(generation, &mut scratch, ask, Start { cell, passage }),
-        )
+        )?;
+        tracing.store.has_stepped(ask.steps)
     }
 
     /// Notes what a ray saw that stands for so much area.

@@ -184,6 +184,7 @@ impl<B: Start> Task for Look<'_, '_, B> {
                     break;
                 }
             }
+            caster.tell().map_err(|fault| RayFault { ray: seen.len() - 1, fault })?;
         }
         Ok(())
     }
@@ -216,6 +217,7 @@ impl Task for Light<'_, '_> {
                     break;
                 }
             }
+            caster.tell().map_err(|fault| RayFault { ray: light.len() - 1, fault })?;
         }
         Ok(())
     }
@@ -235,7 +237,8 @@ impl Task for Work<'_, '_> {
         for (number, beam) in beams.iter().enumerate() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            let cells = caster.cells(beam).map_err(|fault| RayFault { ray: number, fault })?;
+            let cells = caster.cells(beam).and_then(|it| caster.tell().map(|()| it));
+            let cells = cells.map_err(|fault| RayFault { ray: number, fault })?;
             work.push(cells);
         }
         Ok(())
@@ -251,7 +254,12 @@ struct Caster<'a, 's, 'g, K: Kernel> {
     alone: Scratch<'g>,
     notes: Notes,
     resolver: Resolver<'a, 's, 'g>,
+    /// Steps that the store does not know of yet.
+    steps: u64,
 }
+
+/// Steps that are told to the store together: all threads count there.
+const TOLD: u64 = 1 << 16;
 
 impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     fn new(tracer: &'a CellTracer<'s>, kernel: K, generation: &'g Generation) -> Self {
@@ -264,7 +272,24 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             alone: Scratch::default(),
             notes: Notes::default(),
             resolver: Resolver::of_state(&tracer.store, generation, ROOT, &tracer.cell_from_world),
+            steps: 0,
         }
+    }
+
+    /// Takes note of steps.
+    ///
+    /// # Errors
+    /// The limit of all that rays of a picture may take.
+    #[inline(always)]
+    fn count(&mut self, steps: u64) -> Result<(), Fault> {
+        self.steps += steps;
+        if self.steps < TOLD { Ok(()) } else { self.tell() }
+    }
+
+    /// Tells the store of all steps.
+    #[inline(never)]
+    fn tell(&mut self) -> Result<(), Fault> {
+        self.tracing.store.has_stepped(std::mem::take(&mut self.steps))
     }
 
     /// What the beams of a packet see.
@@ -423,7 +448,8 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             notes: &mut self.notes,
             ask,
         };
-        search.search(cell, ROOT, packet, &self.tracer.cell_from_world).is_ok()
+        let searched = search.search(cell, ROOT, packet, &self.tracer.cell_from_world).is_ok();
+        self.count(ask.steps).is_ok() && searched
     }
 
     /// The scene's cell, if there is room for it.
@@ -436,11 +462,12 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     }
 
     fn ask_alone(&mut self, ask: &mut Ask, ray: &Ray) -> Result<(), Fault> {
-        let kernel = self.tracing.kernel;
+        let (kernel, before) = (self.tracing.kernel, ask.steps);
         kernel.vectorize(
             #[inline(always)]
             || self.ask(ask, ray),
-        )
+        )?;
+        self.count(ask.steps - before)
     }
 
     #[inline(always)]

@@ -602,6 +602,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let Some(frame) = self.scratch.last() else {
             return;
         };
+        // Each is a step of its own.
+        self.ask.steps += u64::from(rays.count_ones());
         for ray in lanes_of(rays) {
             let mut ask = self.ask.of_ray(ray, self.notes);
             super::traverse::leaf(&mut ask, &self.tracing.store.roughs, cell, leaf, &frame.passage(ray));

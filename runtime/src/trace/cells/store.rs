@@ -20,7 +20,7 @@ use super::ending::Ending;
 use super::proxy::Proxy;
 use super::workshop::{Bench, Workshop};
 use crate::abstraction::{Circle, HyperBoxes, Survey};
-use crate::fault::{Fault, TrailStep};
+use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
 use crate::limits::Limits;
@@ -32,6 +32,16 @@ use crate::trace::{Expander, State};
 const LEAST_BENCH: usize = 256 << 10;
 /// Bytes from which on a workshop gains nothing.
 const MOST_BENCH: usize = 64 << 20;
+
+/// Work that it counts as to expand a state, and for each piece of it, to put that into a cell: as much as so many steps of rays.
+const EXPANDED: u64 = 256;
+const PIECE: u64 = 128;
+/// The same for each node that is gone through on abstract values.
+const SURVEYED: u64 = 8;
+/// The same for each piece that is asked how far it reaches.
+const MEASURED: u64 = 4;
+/// The same for a step of a ray: some of them meet Booleans, and surfaces that take long.
+const STEP: u64 = 4;
 
 /// All that threads share.
 #[derive(Debug)]
@@ -53,7 +63,9 @@ pub(super) struct Store<'s> {
     measured: Mutex<Option<Arc<Generation>>>,
     root: Arc<State>,
     tally: Arc<Tally>,
-    pub(super) expanded: AtomicU64,
+    expanded: AtomicU64,
+    /// Work done so far, for rays and for what is made for them.
+    work: AtomicU64,
     built: AtomicU64,
     most_cells: AtomicU64,
 }
@@ -123,6 +135,8 @@ struct Names {
 pub struct Counts {
     /// States expanded so far; those that were dropped and expanded again count again.
     pub states: u64,
+    /// Work done so far: steps of rays, and what was made for them. It counts against [`Limits::work`].
+    pub work: u64,
     /// Cells built so far; those that were dropped and built again count again.
     pub built: u64,
     /// The most cells kept at a time.
@@ -153,6 +167,7 @@ impl<'s> Store<'s> {
             root,
             tally,
             expanded: AtomicU64::new(0),
+            work: AtomicU64::new(0),
             built: AtomicU64::new(0),
             most_cells: AtomicU64::new(0),
         })
@@ -246,6 +261,51 @@ impl<'s> Store<'s> {
         Ok(kept)
     }
 
+    /// Counts work.
+    ///
+    /// # Errors
+    /// The limit of all that rays of a picture may take.
+    fn spend(&self, work: u64) -> Result<(), Fault> {
+        let most = self.limits.work;
+        if self.work.fetch_add(work, Ordering::Relaxed).saturating_add(work) <= most {
+            return Ok(());
+        }
+        Err(Fault::new(FaultKind::Limit { limit: Limit::Work, most }, Origin::NONE))
+    }
+
+    /// Counts steps of rays.
+    ///
+    /// # Errors
+    /// As [`Store::spend`].
+    pub(super) fn has_stepped(&self, steps: u64) -> Result<(), Fault> {
+        self.spend(STEP.saturating_mul(steps))
+    }
+
+    /// Counts a state that was expanded into so many pieces, by so many operations.
+    ///
+    /// # Errors
+    /// As [`Store::spend`].
+    pub(super) fn has_expanded(&self, pieces: usize, operations: u64) -> Result<(), Fault> {
+        self.expanded.fetch_add(1, Ordering::Relaxed);
+        self.spend(EXPANDED + PIECE * pieces as u64 + operations)
+    }
+
+    /// Counts nodes that were gone through on abstract values.
+    ///
+    /// # Errors
+    /// As [`Store::spend`].
+    pub(super) fn has_surveyed(&self, nodes: u64) -> Result<(), Fault> {
+        self.spend(SURVEYED * nodes)
+    }
+
+    /// Counts pieces that were asked how far they reach.
+    ///
+    /// # Errors
+    /// As [`Store::spend`].
+    pub(super) fn has_measured_pieces(&self, pieces: usize) -> Result<(), Fault> {
+        self.spend(MEASURED * pieces as u64)
+    }
+
     /// A state as a step of a trail.
     pub(super) fn step(&self, generation: &Generation, number: u32, called: Origin) -> TrailStep {
         self.expander.trail_step(&generation.state(number), called)
@@ -254,6 +314,7 @@ impl<'s> Store<'s> {
     pub(super) fn counts(&self) -> Counts {
         Counts {
             states: self.expanded.load(Ordering::Relaxed),
+            work: self.work.load(Ordering::Relaxed),
             built: self.built.load(Ordering::Relaxed),
             cells: self.most_cells.load(Ordering::Relaxed),
             cell_bytes: self.tally.most.load(Ordering::Relaxed),

@@ -145,6 +145,7 @@ impl Workshop<'_, '_> {
             }
             let before = reach.open.len();
             let pieces = self.pieces(next.state)?;
+            self.store.has_measured_pieces(pieces.len())?;
             reach.add(self, &pieces, next.direction, next.offset)?;
             if reach.of == Of::All
                 && let Some(pieces) = self.proxy_pieces_of_model(next.state)?

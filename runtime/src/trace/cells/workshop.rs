@@ -8,7 +8,6 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::hash::BuildHasher;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use glam::DAffine3;
 
@@ -55,6 +54,10 @@ impl Measure {
 
 /// Primitives from which on a state is vast.
 const VAST: u64 = 1 << 20;
+/// Bytes of pieces that a workshop has at hand at most while it is worked in.
+const MOST_PIECES: usize = 64 << 20;
+/// The same of what states amount to.
+const MOST_EXTENTS: usize = 128 << 20;
 /// States of one recursion inside one another from which on a state is tall.
 const TALL: u32 = 64;
 
@@ -67,6 +70,10 @@ pub(super) struct Bench<'s> {
     known: Vec<Known>,
     /// About how many bytes all that takes.
     bytes: usize,
+    /// How many of these the pieces take.
+    piece_bytes: usize,
+    /// How many of these the extents take.
+    extent_bytes: usize,
 }
 
 /// What is known of a state. All of it follows from the state alone.
@@ -85,6 +92,8 @@ impl<'s> Bench<'s> {
             numbers: Numbers::default(),
             known: Vec::new(),
             bytes: 0,
+            piece_bytes: 0,
+            extent_bytes: 0,
         }
     }
 
@@ -100,7 +109,27 @@ impl<'s> Bench<'s> {
         // New ones, so that what they had grown to is given back.
         self.numbers = Numbers::default();
         self.known = Vec::new();
-        self.bytes = 0;
+        (self.bytes, self.piece_bytes, self.extent_bytes) = (0, 0, 0);
+    }
+
+    /// Forgets what states amount to when it is too much.
+    #[inline]
+    fn make_room_for_extents(&mut self) {
+        if self.extent_bytes > MOST_EXTENTS {
+            self.known.iter_mut().for_each(|it| it.extent = None);
+            self.bytes -= std::mem::take(&mut self.extent_bytes);
+        }
+    }
+
+    /// Keeps what a state expands to. Of what takes most room all is forgotten when it is too much: it is made again when it is needed.
+    fn keep(&mut self, number: u32, pieces: &Arc<[Piece]>) {
+        if self.piece_bytes > MOST_PIECES {
+            self.known.iter_mut().for_each(|it| it.pieces = None);
+            self.bytes -= std::mem::take(&mut self.piece_bytes);
+        }
+        let bytes = Piece::bytes(pieces);
+        (self.bytes, self.piece_bytes) = (self.bytes + bytes, self.piece_bytes + bytes);
+        self.known[number as usize].pieces = Some(Arc::clone(pieces));
     }
 }
 
@@ -197,12 +226,11 @@ impl<'a, 's> Workshop<'a, 's> {
             return Ok(Arc::clone(pieces));
         }
         let state = Arc::clone(&known.state);
+        let before = bench.machine.operations();
         let group = store.expander.expand_with(&mut bench.machine, &state)?;
-        store.expanded.fetch_add(1, Ordering::Relaxed);
+        store.has_expanded(group.items.len(), bench.machine.operations() - before)?;
         let pieces: Arc<[Piece]> = Piece::of_group(&mut |it| self.number(it), group).into();
-        let bench = self.bench();
-        bench.bytes += Piece::bytes(&pieces);
-        bench.known[number as usize].pieces = Some(Arc::clone(&pieces));
+        self.bench().keep(number, &pieces);
         Ok(pieces)
     }
 
@@ -232,6 +260,7 @@ impl<'a, 's> Workshop<'a, 's> {
     }
 
     fn extent(&mut self, number: u32) -> Result<&Extent, Fault> {
+        self.bench().make_room_for_extents();
         if self.bench().known[number as usize].extent.is_none() {
             let state = self.state(number);
             let extent = self.surveyed(&state)?;
@@ -248,13 +277,17 @@ impl<'a, 's> Workshop<'a, 's> {
     /// What a state amounts to by abstract states.
     pub(super) fn surveyed(&mut self, state: &State) -> Result<Extent, Fault> {
         let store = self.store;
-        store.survey.extent(&mut self.bench().scout, state, store.expander.live_slots(state.entry))
+        let scout = &mut self.bench().scout;
+        let extent = store.survey.extent(scout, state, store.expander.live_slots(state.entry));
+        store.has_surveyed(scout.take_work())?;
+        extent
     }
 
     /// Keeps what a state amounts to.
     pub(super) fn know(&mut self, number: u32, extent: Extent) {
         let bench = self.bench();
         bench.bytes += size_of::<Extent>();
+        bench.extent_bytes += size_of::<Extent>();
         bench.known[number as usize].extent = Some(Box::new(extent));
     }
 
@@ -340,8 +373,11 @@ impl<'a, 's> Workshop<'a, 's> {
     /// What fails in expanding it.
     pub(super) fn expand(&mut self, state: &State) -> Result<Group, Fault> {
         let store = self.store;
-        store.expanded.fetch_add(1, Ordering::Relaxed);
-        store.expander.expand_with(&mut self.bench().machine, state)
+        let machine = &mut self.bench().machine;
+        let before = machine.operations();
+        let group = store.expander.expand_with(machine, state)?;
+        store.has_expanded(group.items.len(), machine.operations() - before)?;
+        Ok(group)
     }
 
     /// The bounds of a state in the frame outside a map, loose ones.

@@ -319,6 +319,9 @@ fn advice(kind: &FaultKind) -> Option<&'static str> {
         FaultKind::Limit { limit: Limit::Operations, .. } => {
             Some("a function that calls itself twice doubles its work with every step")
         }
+        FaultKind::Limit { limit: Limit::Work, .. } => {
+            Some("a part of it (`--crop`) or a small one (`--size`) shows sooner what takes so long")
+        }
         FaultKind::Limit { limit: Limit::Repeat, .. } => Some("rules in rules make many of few: a row of rows"),
         FaultKind::Index { index, .. } if index.fract() != 0.0 => {
             Some("`floor`, `ceil` and `round` make whole numbers")

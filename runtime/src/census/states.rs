@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::tally::MOST_PARTS;
+use super::tally::{MOST_BYTES, MOST_PARTS};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{Origin, Scene};
 use crate::limits::Limits;
@@ -19,7 +19,7 @@ pub fn count_states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Wat
     let mut seen: HashSet<State, BuildQuickHash> = HashSet::default();
     let mut ahead = vec![expander.root()?];
     seen.extend(ahead.iter().cloned());
-    let mut left = MOST_PARTS;
+    let (mut left, mut bytes) = (MOST_PARTS, 0);
     while let Some(state) = ahead.pop() {
         if watch.interrupted() {
             return Err(Fault::new(FaultKind::Interrupted, Origin::NONE));
@@ -27,11 +27,12 @@ pub fn count_states(scene: &Scene, most: usize, limits: &Limits, watch: &dyn Wat
         let group = expander.expand(&state)?;
         left = left.saturating_sub(group.items.len() as u64);
         called(&group, &mut |it| {
-            if seen.len() <= most && seen.insert(it.clone()) {
+            if seen.len() <= most && bytes <= MOST_BYTES && seen.insert(it.clone()) {
+                bytes += 2 * it.bytes();
                 ahead.push(it.clone());
             }
         });
-        if seen.len() > most || left == 0 {
+        if seen.len() > most || left == 0 || bytes > MOST_BYTES {
             return Ok(None);
         }
     }

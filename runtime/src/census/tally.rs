@@ -19,6 +19,8 @@ use crate::trace::{Expander, Group, Solid, State};
 const MOST_STEPS: u32 = 1 << 21;
 /// Parts of states, all together, before it is too much.
 pub(super) const MOST_PARTS: u64 = 1 << 25;
+/// Bytes of all states at hand before it is too much: a state has as many values as its system has that matter, of which there may be thousands.
+pub(super) const MOST_BYTES: usize = 256 << 20;
 /// States that are remembered. Those with a path hardly ever come again, and are forgotten once there are so many.
 const MOST_KEPT: usize = 1 << 17;
 
@@ -70,6 +72,8 @@ pub(super) struct Counter<'e, 's> {
     /// How many parts may still be looked at.
     left: &'e Cell<u64>,
     largest: Step,
+    /// About how many bytes the states at hand take.
+    bytes: usize,
 }
 
 impl<'e, 's> Counter<'e, 's> {
@@ -85,6 +89,7 @@ impl<'e, 's> Counter<'e, 's> {
             met: 0,
             left,
             largest: (0, String::new()),
+            bytes: 0,
         }
     }
 
@@ -111,7 +116,7 @@ impl<'e, 's> Counter<'e, 's> {
                     frame.itself |= number == frame.number;
                 }
                 None => {
-                    if self.met >= MOST_STEPS || self.left.get() == 0 {
+                    if self.met >= MOST_STEPS || self.left.get() == 0 || self.bytes > MOST_BYTES {
                         return Ok(None);
                     }
                     self.enter(state).map_err(|it| self.led_to(it))?;
@@ -140,13 +145,17 @@ impl<'e, 's> Counter<'e, 's> {
         self.met += 1;
         self.known.insert(state.clone(), Known::UnderWay(number));
         let tally = Tally { primitives: Number::Exact(primitives.into()), modules: Number::NONE, depth: Some(1) };
-        self.frames.push(Frame { state, number, back: number, itself: false, below: below(&group), next: 0, tally });
+        let below = below(&group);
+        // It is remembered, and in its frame.
+        self.bytes += 2 * state.bytes() + bytes(&below);
+        self.frames.push(Frame { state, number, back: number, itself: false, below, next: 0, tally });
         Ok(())
     }
 
     /// Ends a state all of whose parts are counted, and adds it to the one that laid it down. Gives what the last one comes to.
     fn leave(&mut self) -> Option<Tally> {
-        let Frame { state, number, back, itself, mut tally, .. } = self.frames.pop()?;
+        let Frame { state, number, back, itself, mut tally, below, .. } = self.frames.pop()?;
+        self.bytes -= state.bytes() + bytes(&below);
         if back == number {
             let members = self.open.iter().rposition(|it| it.1 < number).map_or(0, |it| it + 1);
             if itself || members < self.open.len() {
@@ -157,6 +166,7 @@ impl<'e, 's> Counter<'e, 's> {
             }
             if state.path.is_some() && self.known.len() > MOST_KEPT {
                 self.known.remove(&state);
+                self.bytes -= state.bytes();
             } else {
                 self.known.insert(state, Known::Done(tally));
             }
@@ -195,6 +205,11 @@ impl Tally {
             self.primitives = Number::Endless;
         }
     }
+}
+
+/// About how many bytes states take.
+fn bytes(states: &[(State, u32)]) -> usize {
+    states.iter().map(|it| it.0.bytes()).sum()
 }
 
 /// The primitives of a group.

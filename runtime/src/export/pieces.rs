@@ -11,7 +11,9 @@ use super::piece::{Boolean, Piece, Placed};
 use crate::derive;
 use crate::eval::{Env, Machine, trail_step};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
-use crate::form::{Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, SelectId, ShapeId, Slot, SystemId};
+use crate::form::{
+    Graph, MaterialId, Node, NodeId, Origin, PrimitiveKind, Scene, SelectId, ShapeId, Slot, SystemId, Value,
+};
 use crate::geometry::Part;
 use crate::limits::Limits;
 use crate::picture::Watch;
@@ -28,6 +30,8 @@ pub struct Pieces<'s> {
     tasks: Vec<Task<'s>>,
     /// How many modules and systems it is inside.
     depth: u32,
+    /// About how many bytes the values of all these take.
+    bytes: usize,
     /// How many more primitives there may be.
     left: u64,
     /// How many there were.
@@ -36,6 +40,11 @@ pub struct Pieces<'s> {
     /// How much was done since the watch was asked.
     unwatched: u32,
 }
+
+/// Bytes that the values of all modules and systems take at most that it is inside: where each has thousands, fewer may be inside one another.
+const MOST_BYTES: usize = 256 << 20;
+/// Copies of a module's values: for the trail of a fault, and for what is still to be done on both sides of it.
+const COPIES: usize = 3;
 
 /// So much is done before the watch is asked again.
 const WATCHED: u32 = 1024;
@@ -160,7 +169,7 @@ impl<'s> Pieces<'s> {
             Here { world_from_here: DAffine3::IDENTITY, material: None, route: Route::START, inside: false, env };
         let tasks = vec![Task::Go(graph.system(graph.root()).start, here)];
         let (left, primitives, unwatched) = (limits.primitives, 0, 0);
-        Ok(Self { graph, machine, limits: *limits, tasks, depth: 0, left, primitives, watch, unwatched })
+        Ok(Self { graph, machine, limits: *limits, tasks, depth: 0, bytes: 0, left, primitives, watch, unwatched })
     }
 
     /// How many primitives there were so far.
@@ -198,7 +207,10 @@ impl<'s> Pieces<'s> {
             }
             Task::EndOperand => return Ok(Some(Piece::EndOperand)),
             Task::End => return Ok(Some(Piece::End)),
-            Task::Leave(_) => self.depth -= 1,
+            Task::Leave(entered) => {
+                self.depth -= 1;
+                self.bytes -= entered.bytes(self.graph);
+            }
             Task::Tell(placed, origin) => {
                 self.count(origin)?;
                 self.primitives += 1;
@@ -314,10 +326,11 @@ impl<'s> Pieces<'s> {
     }
 
     fn enter(&mut self, entered: Entered, origin: Origin) -> Result<(), Fault> {
+        self.bytes += entered.bytes(self.graph);
         self.tasks.push(Task::Leave(entered));
         self.depth += 1;
-        if self.depth > self.limits.depth {
-            let most = u64::from(self.limits.depth);
+        if self.depth > self.limits.depth || self.bytes > MOST_BYTES {
+            let most = u64::from(self.depth - 1);
             return Err(Fault::new(FaultKind::Limit { limit: Limit::Depth, most }, origin));
         }
         Ok(())
@@ -370,6 +383,15 @@ impl Entered {
         match self {
             Self::Module(_, _, origin) | Self::System(_, origin) => *origin,
         }
+    }
+
+    /// About how many bytes its values take.
+    fn bytes(&self, graph: &Graph) -> usize {
+        let slots = match self {
+            Self::Module(_, env, _) => env.slots.len(),
+            Self::System(system, _) => graph.system(*system).slots.len(),
+        };
+        COPIES * slots * size_of::<Value>()
     }
 
     fn step(self, graph: &Graph) -> TrailStep {

@@ -38,7 +38,7 @@ impl State {
     }
 
     /// About how many bytes it takes. Lists are shared, and counted by their places only.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let of = |value: &Value| if let Value::List(it) = value { size_of_val(&**it) } else { 0 };
         size_of::<Self>() + size_of_val(&*self.slots) + self.slots.iter().map(of).sum::<usize>()
     }

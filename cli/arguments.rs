@@ -248,10 +248,10 @@ impl Program {
         limits
     }
 
-    /// The limits of a picture of so many pixels: a small one may take less work, unless somebody said how much.
-    pub fn with_work(&self, limits: Limits, pixels: u64) -> Limits {
+    /// The limits of a picture of so many pixels and samples: a small one may take less work, unless somebody said how much.
+    pub fn with_work(&self, limits: Limits, pixels: u64, samples: u32) -> Limits {
         let is_given = self.allow.iter().any(|it| it.name == "work");
-        if is_given { limits } else { Limits { work: Limits::work_for(pixels), ..limits } }
+        if is_given { limits } else { Limits { work: Limits::work_for(pixels, samples), ..limits } }
     }
 }
 

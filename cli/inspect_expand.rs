@@ -29,7 +29,7 @@ pub fn expand(arguments: Inspect, console: Console) -> Result<(), Failure> {
     let progress = Progress::listen()?;
     let place = Place::find(&arguments.output)?;
     let Inspect { file, output, format, limit, until, program, .. } = arguments;
-    let limits = Limits { primitives: limit, ..program.with_work(program.limits(), CAMERA) };
+    let limits = Limits { primitives: limit, ..program.with_work(program.limits(), CAMERA, 1) };
     let understood = supervise(&progress, Bar::new(console), move |_| {
         let mut understood = compile(&file, &program, limits, console)?.stopping_after(until);
         fill_in(&mut understood.scene, &limits).map_err(|fault| understood.failure(&fault, console))?;

@@ -55,7 +55,7 @@ pub fn measure(arguments: Measure, console: Console) -> Result<(), Failure> {
     let format = arguments.format;
     let measured = supervise(&progress, quiet, move |progress| {
         // Nobody waits for the bounds of a scene as for a large picture of it.
-        let limits = arguments.program.with_work(arguments.program.limits(), 0);
+        let limits = arguments.program.with_work(arguments.program.limits(), 0, 1);
         let understood = compile(&arguments.file, &arguments.program, limits, console)?;
         look(&understood, arguments.seeds, &limits, progress).map_err(|fault| understood.failure(&fault, console))
     })?;

@@ -166,7 +166,8 @@ fn make(arguments: &Render, outputs: &Outputs, progress: &Progress, console: Con
     outputs.refuse_sources(&program.files.paths())?;
     let options = options(arguments, &program, outputs.format)?;
     let size = options.crop.map(|it| (it.width, it.height)).or(options.size).unwrap_or_default();
-    let limits = arguments.program.with_work(limits, u64::from(size.0) * u64::from(size.1));
+    let samples = arguments.samples.unwrap_or(program.scene.image.samples);
+    let limits = arguments.program.with_work(limits, u64::from(size.0) * u64::from(size.1), samples);
     let compiled = start.elapsed().as_secs_f64();
 
     let start = Instant::now();

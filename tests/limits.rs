@@ -99,9 +99,12 @@ fn all_work_of_a_picture_is_enough_and_one_less_is_not() {
 
 #[test]
 fn a_small_picture_may_take_less_work_than_a_large_one() {
-    let work = [0, 256, 480_000, 1 << 26, u64::MAX].map(Limits::work_for);
+    let work = [0, 256, 480_000, 1 << 26, u64::MAX].map(|pixels| Limits::work_for(pixels, 4));
     assert!(work.is_sorted() && work[0] >= 100_000_000, "{work:?}");
     assert_eq!(work[4], Limits::default().work);
+    // Who asks for more samples may wait longer.
+    let work = [0, 1, 4, 5, 4096, u32::MAX].map(|samples| Limits::work_for(256, samples));
+    assert!(work.is_sorted() && work[2] == work[0] && work[3] > work[2], "{work:?}");
 }
 
 #[test]

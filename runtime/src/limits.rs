@@ -78,12 +78,15 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Work that a picture of so many pixels may take at most: what is small shall not take long.
+    /// Work that a picture of so many pixels, each begun with so many samples, may take at most: what is small shall not take long.
     #[must_use]
-    pub fn work_for(pixels: u64) -> u64 {
-        /// Of a picture of one pixel, and for each more.
-        const LEAST: u64 = 400_000_000;
+    pub fn work_for(pixels: u64, samples: u32) -> u64 {
+        /// Whatever the picture's size: what is expanded for one pixel is much of what is expanded for all.
+        const LEAST: u64 = 1_000_000_000;
+        /// For each pixel, and for each sample of it beyond the first four.
         const FOR_EACH: u64 = 1_000_000;
-        Self::default().work.min(LEAST.saturating_add(pixels.saturating_mul(FOR_EACH)))
+        const FOR_EACH_SAMPLE: u64 = FOR_EACH / 4;
+        let pixel = FOR_EACH + FOR_EACH_SAMPLE * u64::from(samples.saturating_sub(4));
+        Self::default().work.min(LEAST.saturating_add(pixels.saturating_mul(pixel)))
     }
 }

@@ -88,6 +88,14 @@ fn foreign_characters_are_told_where_they_are_with_what_was_meant() {
         '\u{2060}',
         '\u{fe0f}',
         '\u{e0041}',
+        '\u{ad}',
+        '\u{34f}',
+        '\u{1160}',
+        '\u{180b}',
+        '\u{2028}',
+        '\u{2029}',
+        '\u{3164}',
+        '\u{fff9}',
     ];
     for letter in hidden {
         for around in ["let a = 1; csg A { start @ sphere; }", "// b@\ncsg A { start sphere; }", "use \"c@.tg\";"] {

@@ -55,16 +55,16 @@ fn look_alike(letter: char) -> Option<&'static str> {
 
 /// Whether `letter` shows nothing, so that leaving it out is what a reader would do.
 pub(crate) fn is_blank(letter: char) -> bool {
-    letter.is_whitespace() || letter.is_control() || is_hidden(letter) || letter == '\u{AD}' || letter == '°'
+    letter.is_whitespace() || letter.is_control() || is_hidden(letter) || letter == '°'
 }
 
-/// Whether `letter` is invisible or changes the direction of text, so that a program may look like another one.
-pub(crate) fn is_hidden(letter: char) -> bool {
-    matches!(
-        letter,
-        '\u{61C}' | '\u{180E}' | '\u{200B}'..='\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2060}'..='\u{206F}'
-            | '\u{FE00}'..='\u{FE0F}' | '\u{FEFF}' | '\u{E0000}'..='\u{E01EF}'
-    )
+/// Whether `letter` is invisible, looks like the end of a line or changes the direction of text, so that a program may look like another one.
+#[must_use]
+pub fn is_hidden(letter: char) -> bool {
+    matches!(u32::from(letter),
+        0xAD | 0x34F | 0x61C | 0x115F..=0x1160 | 0x17B4..=0x17B5 | 0x180B..=0x180F | 0x200B..=0x200F
+        | 0x2028..=0x202E | 0x2060..=0x206F | 0x3164 | 0xFE00..=0xFE0F | 0xFEFF | 0xFFA0 | 0xFFF0..=0xFFFB
+        | 0xE0000..=0xE0FFF)
 }
 
 /// The quote that closes a text begun with `open`, when `open` is a quote of another language.

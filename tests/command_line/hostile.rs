@@ -66,6 +66,18 @@ fn a_system_that_gives_little_gives_a_picture_or_a_reason() {
 }
 
 #[test]
+fn without_threads_there_is_an_answer_or_a_reason() {
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    // So many threads are given by no system that gives so little memory.
+    let before = "export RAYON_NUM_THREADS=20000; ulimit -v 1500000";
+    for command in ["measure a.tg", "inspect a.tg --expand -o a.json", "a.tg -o a.ply", "a.tg -o a.png --size 16x16"] {
+        let ran = folder.shell(&format!("{before}; exec $treegen {command}"));
+        assert!(matches!(ran.code, Some(0 | 3 | 4)), "{command}: {:?} {}", ran.code, ran.said);
+        assert!(ran.code == Some(0) || !ran.said.is_empty(), "{command}");
+    }
+}
+
+#[test]
 fn a_run_that_nobody_waits_for_ends_by_its_signal_and_leaves_nothing_behind() {
     let folder = Folder::with(&[("a.tg", FRACTAL)]);
     for (signal, codes) in [("INT", [130, 0]), ("TERM", [130, 0]), ("HUP", [129, 0]), ("KILL", [137, 0])] {

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use codespan_reporting::files::{Error, Files};
-use treegen_grammar::{FileId, Span};
+use treegen_grammar::{FileId, Span, is_hidden};
 
 use crate::problem::Problem;
 use crate::sources::{Source, Sources};
@@ -187,9 +187,5 @@ fn push_escaped(text: &mut String, letter: char) {
 
 /// Whether a character is a control, invisible, or changes the direction of writing.
 pub(super) fn is_deceptive(letter: char) -> bool {
-    letter.is_control()
-        || matches!(u32::from(letter),
-            0xAD | 0x34F | 0x61C | 0x115F..=0x1160 | 0x17B4..=0x17B5 | 0x180B..=0x180F | 0x200B..=0x200F
-            | 0x2028..=0x202E | 0x2060..=0x206F | 0x3164 | 0xFE00..=0xFE0F | 0xFEFF | 0xFFA0 | 0xFFF0..=0xFFFB
-            | 0xE0000..=0xE0FFF)
+    letter.is_control() || is_hidden(letter)
 }

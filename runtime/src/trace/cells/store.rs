@@ -152,7 +152,8 @@ impl<'s> Store<'s> {
         let expander = Expander::new(scene, limits);
         let root = Arc::new(expander.root()?);
         let tally = Arc::new(Tally::default());
-        let threads = rayon::current_num_threads().max(1);
+        // Outside of a pool nobody but this thread works, and to ask for their number would start some.
+        let threads = rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads().max(1));
         let budget = usize::try_from(limits.cell_bytes).unwrap_or(usize::MAX);
         Ok(Self {
             expander,

@@ -16,6 +16,10 @@ use treegen_runtime::{Fault, Limits};
 const CAMERA: Camera =
     Camera { eye: DVec3::new(3.0, -9.0, 4.0), target: DVec3::ZERO, up: DVec3::Z, lens: Lens::Perspective(40.0) };
 
+/// Along a row of plates.
+const AHEAD: Camera =
+    Camera { eye: DVec3::new(0.3, -30.0, 0.2), target: DVec3::ZERO, up: DVec3::Z, lens: Lens::Perspective(5.0) };
+
 /// What a small picture comes to under a limit: `fine`, or the code of the first error.
 fn outcome(text: &str, name: &str, value: u64, by_the_book: bool) -> String {
     let mut limits = Limits::default();
@@ -95,6 +99,32 @@ fn all_work_of_a_picture_is_enough_and_one_less_is_not() {
         };
         assert_eq!(outcomes.each_ref().map(code), ["E0930".to_owned(), most.to_string(), most.to_string()], "{text}");
     }
+}
+
+/// Whichever operand is written first: a row of a hundred plates on the ray, of which a slab leaves two or all.
+#[test]
+fn intersections_look_at_recursion_only_where_single_primitives_leave_something() {
+    let work = |thick: f64| {
+        let plates = "plates(n) -> scale(9, .001, 9) box | move(0, .02, 0) plates(n - 1);";
+        let slab = format!("scale(8, {thick}, 8) box");
+        let text = format!("csg A {{ start plates(100) & {slab}; plates(n) if n == 0 -> nothing; {plates} }}");
+        let compiled = compiled(&text);
+        let scene = compiled.scene.as_ref().expect(&text);
+        let tracer = CellTracer::new(scene, &Limits::default(), Culling::State).expect(&text);
+        let before = tracer.counts().work;
+        // What is expanded is the same for both.
+        let draw = |size: u32| {
+            let options = RenderOptions { size: Some((size, size)), samples: Some(1), ..RenderOptions::default() };
+            let scene = Scene { camera: Some(AHEAD), ..scene.clone() };
+            render(&scene, &tracer, &options, &()).map(|_| ()).expect(&text);
+            tracer.counts().work
+        };
+        let first = draw(4);
+        assert!(first > before);
+        draw(32) - first
+    };
+    let (thin, thick) = (work(0.02), work(3.0));
+    assert!(thin * 4 < thick, "{thin}, {thick}");
 }
 
 #[test]

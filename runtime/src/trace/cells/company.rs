@@ -85,6 +85,8 @@ pub(super) struct PacketAsk<'q> {
     /// How often something nearer has been found.
     pub(super) changes: u32,
     pub(super) steps: u64,
+    /// Steps that rays have made by themselves: they count as work, and each has a limit of its own.
+    pub(super) steps_alone: u64,
 }
 
 impl<'q> PacketAsk<'q> {
@@ -109,6 +111,7 @@ impl<'q> PacketAsk<'q> {
             loss: [Loss::default(); RAYS],
             changes: 0,
             steps: 0,
+            steps_alone: 0,
         }
     }
 

@@ -449,7 +449,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             ask,
         };
         let searched = search.search(cell, ROOT, packet, &self.tracer.cell_from_world).is_ok();
-        self.count(ask.steps).is_ok() && searched
+        self.count(ask.steps + ask.steps_alone).is_ok() && searched
     }
 
     /// The scene's cell, if there is room for it.

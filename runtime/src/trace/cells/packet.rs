@@ -211,7 +211,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 #[inline(always)]
                 || tracing.search_in(generation, alone, &mut ask, start, what),
             )?;
-            let answer = Answer::of(&ask);
+            let (answer, steps) = (Answer::of(&ask), ask.steps);
+            self.ask.steps_alone += steps - self.ask.steps;
             self.ask.answer(ray, answer);
         }
         Ok(())

@@ -138,7 +138,7 @@ fn face(
     {
         return Vec::new();
     }
-    tree.near(polygon.center, polygon.radius, near);
+    tree.near(&polygon.corners, polygon.center, polygon.radius, near);
     let others = near.iter().map(|it| *it as usize).filter(|it| *it != number);
     for other in others {
         if !cut(&mut polygon, &planes[other]) {
@@ -173,10 +173,11 @@ impl Polygon {
         if normal.dot(self.center) - offset + self.radius <= 0.0 {
             return;
         }
-        let above: Vec<f64> = self.corners.iter().map(|it| normal.dot(*it) - offset).collect();
-        if above.iter().all(|it| *it <= tolerance) {
+        let above = |it: &DVec3| normal.dot(*it) - offset;
+        if self.corners.iter().all(|it| above(it) <= tolerance) {
             return;
         }
+        let above: Vec<f64> = self.corners.iter().map(above).collect();
         let mut kept: Vec<DVec3> = Vec::with_capacity(self.corners.len() + 1);
         let count = self.corners.len();
         for (number, (corner, height)) in self.corners.iter().zip(&above).enumerate() {

@@ -7,7 +7,7 @@ use crate::form::{Camera, Lens};
 use crate::geometry::Ray;
 use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
 use crate::scan::Projection;
-use crate::trace::Beam;
+use crate::trace::{Beam, Seen, Tracer};
 
 /// A camera ready to send rays through the pixels of a picture.
 #[derive(Clone, Debug)]
@@ -23,7 +23,12 @@ pub(super) struct Rays {
     /// How wide the beams are, in pixels.
     detail: f64,
     parallel: bool,
+    /// How far from the eye rays begin.
+    start: f64,
 }
+
+/// How near to a surface the eye stands on it, in parts of how far away things are: what rounding makes of a place.
+const ON_SURFACE: f64 = 1e-11;
 
 impl Rays {
     /// Rays through a picture of so many pixels, followed into what is `detail` pixels large.
@@ -44,7 +49,37 @@ impl Rays {
             pixel: span / shorter,
             detail,
             parallel,
+            start: 0.0,
         }
+    }
+
+    /// The same rays through a picture of so many pixels. Where the eye stands on a surface, they begin a very little way off it: else rounding
+    /// would decide for each ray by itself whether that surface lies in front of it.
+    pub(super) fn off_surfaces(self, tracer: &dyn Tracer, width: u32, height: u32) -> Self {
+        /// So many rays in a row and in a column find out, if there are as many pixels.
+        const PROBES: u32 = 4;
+        let (columns, rows) = (width.min(PROBES), height.min(PROBES));
+        let place = |number: u32, of: u32, size: u32| (f64::from(number) + 0.5) * f64::from(size) / f64::from(of);
+        let through = |row: u32, column: u32| self.through(place(column, columns, width), place(row, rows, height));
+        let beams: Vec<Beam> = (0..rows).flat_map(|row| (0..columns).map(move |column| through(row, column))).collect();
+        let mut seen = Seen::default();
+        // A fault is told by the picture.
+        if tracer.look(&beams, &mut seen).is_err() {
+            return self;
+        }
+        let depths = seen.fragments().iter().map(|it| it.depth);
+        let start = ON_SURFACE * depths.fold(self.eye.abs().max_element(), f64::max);
+        // Seen from a little behind, the eye is in front of a surface that it stands on.
+        let from_behind: Vec<Beam> = beams
+            .iter()
+            .map(|it| {
+                let Ray { origin, direction } = it.ray;
+                Beam { ray: Ray { origin: origin - direction * start, direction }, ..*it }
+            })
+            .collect();
+        let is_on_surface =
+            tracer.look(&from_behind, &mut seen).is_ok() && seen.fragments().iter().any(|it| it.depth < 2.0 * start);
+        if is_on_surface { Self { start, ..self } } else { self }
     }
 
     /// The beam through a point of the picture, in pixels from its upper left corner. Its direction has length 1.
@@ -52,10 +87,11 @@ impl Rays {
         let across = self.right * ((x - self.middle.x) * self.pixel) + self.up * ((self.middle.y - y) * self.pixel);
         let girth = self.pixel * self.detail;
         if self.parallel {
-            let ray = Ray { origin: self.eye + across, direction: self.forward };
+            let ray = Ray { origin: self.eye + across + self.forward * self.start, direction: self.forward };
             return Beam { ray, width: girth, spread: 0.0 };
         }
-        let ray = Ray { origin: self.eye, direction: (self.forward + across).normalize() };
+        let direction = (self.forward + across).normalize();
+        let ray = Ray { origin: self.eye + direction * self.start, direction };
         Beam { ray, width: 0.0, spread: girth }
     }
 
@@ -111,12 +147,13 @@ impl Task for Through<'_> {
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) {
         let Self { rays, points, beams } = self;
-        let Rays { eye, forward, right, up, middle, pixel, .. } = rays;
+        let Rays { eye, forward, right, up, middle, pixel, start, .. } = rays;
         let spread = rays.girth();
         let lanes = kernel.lanes();
         let (right, up, forward) =
             (Wide3::splat(lanes, *right), Wide3::splat(lanes, *up), Wide3::splat(lanes, *forward));
         let (pixel, one, eye) = (Wide::splat(lanes, *pixel), Wide::splat(lanes, 1.0), Wide3::splat(lanes, *eye));
+        let start = Wide::splat(lanes, *start);
         let (width, spread) = (lanes.splat_f64s(0.0), lanes.splat_f64s(spread));
         for points in points.chunks_exact(EIGHT) {
             let (mut x, mut y) = ([0.0; EIGHT], [0.0; EIGHT]);
@@ -127,8 +164,17 @@ impl Task for Through<'_> {
             let direction = forward + (right * x + up * y);
             let direction = direction * (one / direction.dot(direction).sqrt());
             let (to_x, to_y, to_z) = (direction.x.value, direction.y.value, direction.z.value);
-            let rows: [[f64; EIGHT]; EIGHT] =
-                cast(kernel.transposed([eye.x.value, eye.y.value, eye.z.value, to_x, to_y, to_z, width, spread]));
+            let origin = eye + direction * start;
+            let rows: [[f64; EIGHT]; EIGHT] = cast(kernel.transposed([
+                origin.x.value,
+                origin.y.value,
+                origin.z.value,
+                to_x,
+                to_y,
+                to_z,
+                width,
+                spread,
+            ]));
             let [a, b, c, d, e, f, g, h] = rows;
             beams.extend_from_slice(&[
                 Beam::of_numbers(a),
@@ -178,9 +224,11 @@ mod tests {
             let eye = DVec3::new(1.1, 0.7, 4.2);
             let rays = Rays::new(&Camera { eye, target: DVec3::ZERO, up: DVec3::Z, lens }, 512, 300, 1.0);
             let points: Vec<DVec2> = (0..29).map(|it| DVec2::new(f64::from(it) * 17.3, f64::from(it) * 9.7)).collect();
-            let mut beams = Vec::new();
-            rays.through_all(&points, &mut beams);
-            assert_eq!(beams, points.iter().map(|it| rays.through(it.x, it.y)).collect::<Vec<_>>());
+            for rays in [Rays { start: 0.3, ..rays.clone() }, rays] {
+                let mut beams = Vec::new();
+                rays.through_all(&points, &mut beams);
+                assert_eq!(beams, points.iter().map(|it| rays.through(it.x, it.y)).collect::<Vec<_>>());
+            }
         }
     }
 }

@@ -50,6 +50,11 @@ impl Sight {
         Self { lights: Lights::new(scene, &rays), rays }
     }
 
+    /// The same for a picture by rays, which begin a little way off a surface that the eye stands on.
+    pub(super) fn off_surfaces(self, tracer: &dyn Tracer, view: &View) -> Self {
+        Self { rays: self.rays.off_surfaces(tracer, view.width, view.height), ..self }
+    }
+
     /// Where the suns stand.
     pub(super) fn suns(&self) -> Vec<DVec3> {
         self.lights.suns.iter().map(|it| it.toward).collect()

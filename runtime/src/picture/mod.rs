@@ -174,7 +174,7 @@ pub fn render(
 ) -> Result<Picture, Fault> {
     let view = view::View::new(scene, options)?;
     let camera = scene.camera.clone().map_or_else(|| frame(tracer, view.width, view.height), Ok)?;
-    let sight = Sight::new(scene, &view, &camera);
+    let sight = Sight::new(scene, &view, &camera).off_surfaces(tracer, &view);
     let (paints, desks) = (Arc::new(Paints::new(scene)), Mutex::default());
     let order = Order { scene, view: &view, sight, paints, tracer, scanner: None, desks: &desks, picture: None };
     job::render(order, watch)

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use glam::DAffine3;
 
 use super::compound::{Compound, Leaf, MOST_LEAVES, Node, Part, Union};
-use crate::fault::{Fault, Limit};
+use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::Aabb;
 use crate::limits::Limits;
@@ -174,6 +174,9 @@ impl Flatten<'_, '_> {
     fn leaf(&mut self, item: &Item, way: &Way) -> Result<u32, Undrawn> {
         let Solid::Leaf { primitive, origin, bark } = &item.solid else { return Ok(0) };
         self.spend()?;
+        if !primitive.is_solid() {
+            return Err(self.told(Fault::new(FaultKind::Open(primitive.kind()), *origin), way).into());
+        }
         let bounds = primitive.bounds().mapped(&way.own_from_here);
         self.whole.leaves.push(Leaf {
             primitive: primitive.clone(),

@@ -48,7 +48,7 @@ fn write_camera(camera: &Camera, (width, height): (u32, u32), scale: f64, text: 
         Lens::Orthographic(length) => ("orthographic", length * scale),
     };
     let pixel = span / f64::from(width.min(height));
-    let (across, down) = (pixel * f64::from(width), pixel * f64::from(height));
+    let [across, down] = [width, height].map(|it| (pixel * f64::from(it)).min(f64::MAX));
     // To the right is -x where space is right-handed.
     let _ = writeln!(
         text,
@@ -74,9 +74,10 @@ fn write_lights(lights: &Lights, scale: f64, text: &mut String) {
             write_light(-toward, -color, " shadowless", text);
         }
     }
-    if lights.haze > 0.0 {
+    let distance = scale / lights.haze;
+    if distance > 0.0 && distance.is_finite() {
         let color = Triple(sky.seen(DVec3::X));
-        let _ = writeln!(text, "fog {{ fog_type 1 distance {:?} color rgb {color} }}", scale / lights.haze);
+        let _ = writeln!(text, "fog {{ fog_type 1 distance {distance:?} color rgb {color} }}");
     }
 }
 

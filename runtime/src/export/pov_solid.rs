@@ -45,13 +45,20 @@ impl fmt::Display for Texture {
     }
 }
 
+/// What is beyond all numbers, made larger for POV-Ray, is the greatest one; what came to no number on the way is 0.
+fn within(vector: DVec3) -> DVec3 {
+    let within = |it: f64| if it.is_nan() { 0.0 } else { it.clamp(-f64::MAX, f64::MAX) };
+    DVec3::from_array(vector.to_array().map(within))
+}
+
 /// A vector.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triple(pub(super) DVec3);
 
 impl fmt::Display for Triple {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "<{:?}, {:?}, {:?}>", self.0.x, self.0.y, self.0.z)
+        let v = within(self.0);
+        write!(f, "<{:?}, {:?}, {:?}>", v.x, v.y, v.z)
     }
 }
 
@@ -61,7 +68,8 @@ struct Matrix<'m>(&'m DAffine3);
 impl fmt::Display for Matrix<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = [self.0.matrix3.x_axis, self.0.matrix3.y_axis, self.0.matrix3.z_axis];
-        let numbers = [x, y, z, self.0.translation].map(|it| format!("{:?}, {:?}, {:?}", it.x, it.y, it.z));
+        let numbers = [x, y, z, self.0.translation].map(within);
+        let numbers = numbers.map(|it| format!("{:?}, {:?}, {:?}", it.x, it.y, it.z));
         write!(f, "<{}>", numbers.join(", "))
     }
 }
@@ -88,7 +96,16 @@ fn factor(map: &DAffine3) -> Option<f64> {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = map.matrix3;
     let square = x.length_squared();
     let apart = [y.length_squared() - square, z.length_squared() - square, x.dot(y), y.dot(z), z.dot(x)];
-    apart.iter().all(|it| it.abs() <= ERROR * square).then(|| square.sqrt())
+    (square < f64::INFINITY && apart.iter().all(|it| it.abs() <= ERROR * square)).then(|| square.sqrt())
+}
+
+/// A plane with a normal of length 1. It is made smaller first where its square would be beyond all numbers, or nothing.
+fn of_length_1(normal: DVec3, offset: f64) -> (Triple, f64) {
+    let largest = normal.abs().max_element();
+    let is_usual = (1e-150..1e150).contains(&largest);
+    let (normal, offset) = if is_usual { (normal, offset) } else { (normal / largest, offset / largest) };
+    let length = normal.length();
+    (Triple(normal / length), (offset / length).clamp(-f64::MAX, f64::MAX))
 }
 
 /// Writes a triangle of a mesh.
@@ -109,9 +126,8 @@ fn unit(kind: PrimitiveKind, parameters: &[f64]) -> (String, DVec3) {
         (PrimitiveKind::Torus, &[r]) => plain(&format!("torus {{ 1, {r:?} sturm rotate 90*x")),
         (PrimitiveKind::Triangle, _) => plain("triangle { 0, x, y"),
         (PrimitiveKind::HalfSpace, &[x, y, z, d]) => {
-            let normal = DVec3::new(x, y, z);
-            let length = normal.length();
-            plain(&format!("plane {{ {}, {:?}", Triple(normal / length), d / length))
+            let (normal, offset) = of_length_1(DVec3::new(x, y, z), d);
+            plain(&format!("plane {{ {normal}, {offset:?}"))
         }
         (PrimitiveKind::Paraboloid, &[a, b]) => ("object { Paraboloid".to_owned(), DVec3::new(a, b, 1.0)),
         (PrimitiveKind::Hyperboloid, &[a, b, c]) => ("object { Hyperboloid".to_owned(), DVec3::new(a, b, c)),
@@ -149,8 +165,8 @@ pub(super) fn declare(number: usize, mesh: &Triangles) -> String {
 fn hull(numbers: &[f64]) -> String {
     let (planes, _) = numbers.as_chunks::<4>();
     let planes = planes.iter().map(|[x, y, z, d]| {
-        let normal = DVec3::new(*x, *y, *z);
-        format!(" plane {{ {}, {:?} }}", Triple(normal / normal.length()), d / normal.length())
+        let (normal, offset) = of_length_1(DVec3::new(*x, *y, *z), *d);
+        format!(" plane {{ {normal}, {offset:?} }}")
     });
     // POV-Ray wants two parts at least.
     let mut text = "intersection { plane { z, 1e30 }".to_owned();
@@ -166,8 +182,8 @@ fn segment(radius: f64, slope: f64, lean: f64, top: f64, [x, y]: [f64; 2]) -> St
     let (low, high) = (crossing(0.0, -lean.abs()), crossing(top, steep));
     let radius_at = |z: f64| (radius + slope * z).max(0.0);
     let plane = |normal: DVec3, offset: f64| {
-        let length = normal.length();
-        format!("plane {{ {}, {:?} }}", Triple(normal / length), offset / length)
+        let (normal, offset) = of_length_1(normal, offset);
+        format!("plane {{ {normal}, {offset:?} }}")
     };
     format!(
         "intersection {{ cone {{ {low:?}*z, {:?}, {high:?}*z, {:?} }} {} {}",

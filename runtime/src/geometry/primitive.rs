@@ -16,7 +16,7 @@ use super::quadric::Quadric;
 use super::ray::Ray;
 use super::segment::{CutCone, Wrap};
 use super::sheet;
-use super::solve::{power_of_two_below, unit};
+use super::solve::{length, power_of_two_below, unit};
 use super::torus;
 use super::triangles::Triangles;
 use crate::form::{MeshId, PrimitiveKind};
@@ -236,7 +236,7 @@ impl Primitive {
             Shape::Torus { r } => direction.truncate().length() + r * direction.length(),
             Shape::Triangle => furthest(&flat::TRIANGLE, direction),
             Shape::HalfSpace(half_space) => half_space.support(direction),
-            Shape::Ellipsoid { axes } => (*axes * direction).length(),
+            Shape::Ellipsoid { axes } => length(*axes * direction),
             Shape::Hyperboloid { axes } => sheet::hyperboloid_support(*axes * direction),
             Shape::Paraboloid { axes } => sheet::paraboloid_support(*axes * direction),
             Shape::Quadric(quadric) => {

@@ -73,6 +73,16 @@ pub(super) fn unit(vector: DVec3) -> DVec3 {
     }
 }
 
+/// The length of a vector, of very long and very short ones, too.
+pub(super) fn length(vector: DVec3) -> f64 {
+    let square = vector.length_squared();
+    if square > 1e-280 && square < f64::INFINITY {
+        return square.sqrt();
+    }
+    let largest = vector.abs().max_element();
+    if largest > 0.0 && largest < f64::INFINITY { (vector / largest).length() * largest } else { largest }
+}
+
 /// A power of two by which `size` may be divided to come near 1; `None` if it is 0, infinite or not a number.
 pub(super) fn power_of_two_below(size: f64) -> Option<f64> {
     // The bits of the exponent alone; numbers too small to have one are divided by the least power that has.

@@ -65,10 +65,11 @@ impl Surface {
 
     /// Adds a vertex; gives its number.
     pub(super) fn vertex(&mut self, position: DVec3, normal: DVec3, texture: DVec2) -> u32 {
+        let [texture_x, texture_y, _] = single(texture.extend(0.0));
         self.vertices.push(Vertex {
             position: single(position),
             normal: single(normal),
-            texture: [texture.x as f32, texture.y as f32],
+            texture: [texture_x, texture_y],
         });
         self.vertices.len() as u32 - 1
     }
@@ -99,11 +100,12 @@ fn double(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
 
-/// A coordinate beyond single precision is kept within it, so that files hold numbers only.
+/// A coordinate beyond single precision is kept within it, and one that came to no number on the way is 0, so that files hold numbers only.
 fn single(v: DVec3) -> [f32; 3] {
     let most = f64::from(f32::MAX);
+    let within = |it: f64| if it.is_nan() { 0.0 } else { it.clamp(-most, most) };
     // Adding 0 takes the sign from -0.
-    v.to_array().map(|it| it.clamp(-most, most) as f32 + 0.0)
+    v.to_array().map(|it| within(it) as f32 + 0.0)
 }
 
 /// How a map acts on vertices and triangles.

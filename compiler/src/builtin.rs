@@ -103,6 +103,12 @@ pub(crate) const PRIMITIVES: &[Primitive] = &[
     primitive("quadric", PrimitiveKind::Quadric, &[one(&QUADRIC)]),
 ];
 
+/// The name of a primitive's parameter.
+pub(crate) fn parameter(kind: PrimitiveKind, place: usize) -> Option<&'static str> {
+    let primitive = PRIMITIVES.iter().find(|it| it.kind == kind)?;
+    primitive.groups.iter().flat_map(|it| it.parts).nth(place).copied()
+}
+
 const QUADRIC: [&str; 10] = ["q1", "q2", "q3", "q4", "q5", "q6", "q7", "q8", "q9", "q0"];
 
 const fn primitive(name: &'static str, kind: PrimitiveKind, groups: &'static [Group]) -> Primitive {

@@ -8,6 +8,7 @@ use treegen_runtime::{Fault, FaultKind, Limit, TrailStep};
 
 use super::constants::{number, value};
 use super::one_of;
+use crate::builtin;
 use crate::problem::{Label, Problem, Severity};
 use crate::vocabulary::Vocabulary;
 
@@ -134,7 +135,7 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
             ("E1009", format!("`{}({})` {what}", kind.name(), numbers(values)), label.to_owned())
         }
         FaultKind::Primitive { kind, values } => {
-            ("E1010", format!("`{}({})` is no solid", kind.name(), numbers(values)), needed(*kind).to_owned())
+            ("E1010", format!("`{}({})` is no solid", kind.name(), numbers(values)), needed(*kind, values))
         }
         FaultKind::Segment { values } => (
             "E1013",
@@ -161,6 +162,7 @@ fn kind(kind: &FaultKind, vocabulary: &Vocabulary) -> (&'static str, String, Str
         }
         FaultKind::Toward { values } => {
             let label = match values.as_slice() {
+                [direction @ .., _] if direction.iter().any(|it| it.is_infinite()) => "its direction must be finite",
                 [.., angle] if *angle < 0.0 => "the angle is 0 or more",
                 _ => "the direction has no direction",
             };
@@ -277,13 +279,22 @@ fn limit_words(limit: Limit) -> &'static str {
 }
 
 /// What the numbers of a primitive have to be.
-fn needed(kind: PrimitiveKind) -> &'static str {
-    match kind {
+fn needed(kind: PrimitiveKind, values: &[f64]) -> String {
+    if let Some(place) = values.iter().position(|it| !it.is_finite()) {
+        return match builtin::parameter(kind, place) {
+            Some(name) => format!("`{name}` must be finite"),
+            None => "its numbers must be finite".to_owned(),
+        };
+    }
+    let needed = match kind {
         PrimitiveKind::Cone => "its radii are 0 or more, and not both are 0",
         PrimitiveKind::Torus => "the radius of its tube is above 0",
         PrimitiveKind::HalfSpace => "its first three numbers are a direction, and not all are 0",
         PrimitiveKind::Ellipsoid | PrimitiveKind::Hyperboloid | PrimitiveKind::Paraboloid => {
             "all of its numbers are above 0"
+        }
+        PrimitiveKind::Quadric if values.iter().take(9).any(|it| *it != 0.0) => {
+            "its last number is too large beside the others to compute with"
         }
         PrimitiveKind::Quadric => "one of its first nine numbers is not 0",
         PrimitiveKind::Sphere
@@ -294,7 +305,8 @@ fn needed(kind: PrimitiveKind) -> &'static str {
         | PrimitiveKind::Segment
         | PrimitiveKind::Hull
         | PrimitiveKind::Mesh { .. } => "these numbers make none",
-    }
+    };
+    needed.to_owned()
 }
 
 fn advice(kind: &FaultKind) -> Option<&'static str> {

@@ -100,6 +100,7 @@ pub(crate) fn radians(taker: &str, span: Span, part: OfPi) -> Problem {
 pub(crate) fn vain(vain: Vain) -> Option<Problem> {
     match vain {
         Vain::Hull(origin) => Some(empty_hull(span(origin)?)),
+        Vain::Quadric(origin) => Some(empty_quadric(span(origin)?)),
         Vain::Apart(first, other) => Some(
             Problem::warning(
                 "W0011",
@@ -122,6 +123,12 @@ pub(crate) fn vain(vain: Vain) -> Option<Problem> {
 fn empty_hull(span: Span) -> Problem {
     Problem::warning("W0010", "this hull is empty", span, "nothing lies behind all of its planes")
         .note("a plane keeps the side that its walk stands on")
+}
+
+/// A quadric that nothing lies in.
+fn empty_quadric(span: Span) -> Problem {
+    Problem::warning("W0010", "this quadric is empty", span, "no point makes its sum less than 0")
+        .note("its last number is added as it is: a smaller one leaves more of the solid")
 }
 
 /// A segment that is always left out.

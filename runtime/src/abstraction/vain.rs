@@ -1,5 +1,5 @@
-//! Solids that have nothing in them, for certain: planes that leave nothing, operands of `&` that do not meet, and what `\` takes away
-//! whole.
+//! Solids that have nothing in them, for certain: planes that leave nothing, quadrics that no point is inside of, operands of `&` that do not
+//! meet, and what `\` takes away whole.
 //!
 //! Looked for in the states that are certain to be there and know all their values without a draw. What stands at one place of the text
 //! may be there many times, in a `repeat` or for many values: nothing is said of it if it has something in it once.
@@ -26,6 +26,8 @@ const NEAR: f64 = 1e-12;
 pub enum Vain {
     /// A hull whose planes leave nothing.
     Hull(Origin),
+    /// A quadric that no point is inside of.
+    Quadric(Origin),
     /// An intersection, with an operand and one after it that does not meet it, or not what it leaves.
     Apart(Origin, Origin),
     /// A difference, with what it cuts and what takes all of that away.
@@ -77,10 +79,14 @@ fn look(group: &Group, places: &mut Places) {
     for item in &group.items {
         match &item.solid {
             Solid::Leaf { primitive, origin, .. } => {
-                if let Some(hull) = primitive.hull() {
-                    let is_vain = hull.is_empty() && hull.open().is_none();
-                    note(places, (place(*origin), place(*origin)), is_vain.then_some(Vain::Hull(*origin)));
-                }
+                let vain = if let Some(hull) = primitive.hull() {
+                    (hull.is_empty() && hull.open().is_none()).then_some(Vain::Hull(*origin))
+                } else if primitive.kind() == PrimitiveKind::Quadric {
+                    primitive.bounds().is_empty().then_some(Vain::Quadric(*origin))
+                } else {
+                    continue;
+                };
+                note(places, (place(*origin), place(*origin)), vain);
             }
             Solid::Instance(..) => {}
             Solid::Intersect(operands) => {

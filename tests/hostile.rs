@@ -3,59 +3,23 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "common/ways.rs"]
+mod ways;
 
 use common::compiled;
-use treegen_compiler::{Compiled, Problem, problem_of_fault};
+use treegen_compiler::{Compiled, Problem, idle_rules};
 use treegen_runtime::Limits;
-use treegen_runtime::picture::{Picture, RenderOptions, render};
+use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
-use treegen_runtime::trace::reference::Reference;
-
-/// What a picture of a program comes to: itself, or the code of the first error.
-fn picture(text: &str, by_the_book: bool) -> Result<Picture, String> {
-    let compiled = compiled(text);
-    let Some(scene) = &compiled.scene else {
-        let errors = compiled.problems.iter().filter(|it| it.is_error());
-        return Err(errors.map(|it| it.code).next().unwrap_or("no error and no scene").to_owned());
-    };
-    let code = |fault| problem_of_fault(&fault, &compiled.vocabulary).code.to_owned();
-    let options = RenderOptions { size: Some((16, 12)), samples: Some(1), ..RenderOptions::default() };
-    let limits = Limits::default();
-    if by_the_book {
-        return render(scene, &Reference::new(scene, &limits), &options, &()).map_err(code);
-    }
-    let tracer = CellTracer::new(scene, &limits, Culling::State).map_err(code)?;
-    render(scene, &tracer, &options, &()).map_err(code)
-}
-
-/// Does all on threads with the stack that the command line gives them.
-fn on_deep_stacks<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(256 << 20).build().unwrap();
-    pool.install(work)
-}
+use ways::{long, on_deep_stacks, picture, traced};
 
 /// Looks at all programs, and tells of all that come to something else than they should.
 fn assert_outcomes(cases: &[(&str, &str)]) {
     let wrong: Vec<String> = on_deep_stacks(|| {
-        let outcome = |text: &str| picture(text, false).err().unwrap_or_else(|| "fine".to_owned());
-        let found = cases.iter().map(|it| (it, outcome(&long(it.0))));
+        let found = cases.iter().map(|it| (it, traced(&long(it.0))));
         found.filter(|(case, found)| found != case.1).map(|(case, found)| format!("{found}: {case:?}")).collect()
     });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-/// Writes out what is repeated: `<1000: box |>` is `box |` a thousand times.
-fn long(text: &str) -> String {
-    let mut written = String::new();
-    let mut rest = text;
-    while let Some((before, (count, (part, after)))) = rest.split_once('<').and_then(|(before, it)| {
-        let (count, it) = it.split_once(": ")?;
-        Some((before, (count.parse::<usize>().ok()?, it.split_once('>')?)))
-    }) {
-        written = written + before + &part.repeat(count);
-        rest = after;
-    }
-    written + rest
 }
 
 #[test]
@@ -69,78 +33,6 @@ fn values_that_are_none_end_with_the_operation() {
         ("csg S { start uscale(if true then 1 else 1/0) box; }", "fine"),
         ("csg S { start if false and 1/0 > 1 { box } else { sphere }; }", "fine"),
         ("csg S { start T(1); T(n) if n > 0 -> box; T(n) -> uscale(1/(n-1)) sphere; }", "fine"),
-    ]);
-}
-
-/// Every primitive and transformation with numbers that make one.
-const TERMS: &[(&str, &[f64])] = &[
-    ("cone", &[1.0, 0.5]),
-    ("torus", &[0.3]),
-    ("halfspace", &[0.0, 0.0, 1.0, 0.0]),
-    ("ellipsoid", &[1.0, 1.0, 1.0]),
-    ("hyperboloid", &[1.0, 1.0, 1.0]),
-    ("paraboloid", &[1.0, 1.0]),
-    ("quadric", &[1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0]),
-    ("move", &[1.0, 1.0, 1.0]),
-    ("rotx", &[3.0]),
-    ("rotate", &[1.0, 1.0, 1.0, 30.0]),
-    ("scale", &[1.0, 2.0, 1.0]),
-    ("uscale", &[2.0]),
-    ("mirror", &[1.0, 0.0, 0.0]),
-    ("zshear", &[0.5, 0.5]),
-    ("matrix", &[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-];
-
-#[test]
-fn no_number_makes_a_term_fail_without_naming_it() {
-    let outcomes: Vec<(String, String)> = on_deep_stacks(|| {
-        let mut outcomes = Vec::new();
-        for (name, numbers) in TERMS {
-            let is_prefix =
-                !["cone", "torus", "halfspace", "ellipsoid", "hyperboloid", "paraboloid", "quadric"].contains(name);
-            for place in 0..numbers.len() {
-                for value in ["inf", "-inf", "0", "-1", "1e300", "-1e300", "1e-300", "1e-16", "1e150"] {
-                    let mut written: Vec<String> = numbers.iter().map(f64::to_string).collect();
-                    written[place] = value.to_owned();
-                    let solid = if is_prefix { " box" } else { "" };
-                    let program = format!("csg S {{ start {name}({}){solid}; }}", written.join(", "));
-                    let found = picture(&program, false).map(|it| it.color);
-                    let outcome = match &found {
-                        Ok(color) if color.iter().flatten().all(|it| it.is_finite()) => "fine".to_owned(),
-                        Ok(_) => "a colour that is no number".to_owned(),
-                        Err(code) => code.clone(),
-                    };
-                    outcomes.push((program, outcome));
-                }
-            }
-        }
-        outcomes
-    });
-    for (program, outcome) in outcomes {
-        assert!(["fine", "E1009", "E1010"].contains(&outcome.as_str()), "{outcome}: {program}");
-        let is_infinite = program.contains("inf");
-        assert!(outcome != "fine" || !is_infinite, "{program}");
-    }
-}
-
-#[test]
-fn what_makes_no_solid_and_no_transformation_is_told() {
-    assert_outcomes(&[
-        ("csg S { start quadric(0,0,0,0,0,0,0,0,0,-1); }", "E1010"),
-        ("csg S { start quadric(1,1,1,0,0,0,0,0,0,1); }", "fine"),
-        ("csg S { start quadric(1e150,1e150,1e150,0,0,0,0,0,0,-1e150); }", "fine"),
-        ("csg S { start halfspace(0,0,0,1); }", "E1010"),
-        ("csg S { start cone(0,0); }", "E1010"),
-        ("csg S { start torus(0); }", "E1010"),
-        ("csg S { start ellipsoid(0,1,1); }", "E1010"),
-        ("csg S { start scale(1,0,1) box; }", "E1009"),
-        ("csg S { start rotate(0,0,0,30) box; }", "E1009"),
-        ("csg S { start mirror(0,0,0) box; }", "E1009"),
-        ("csg S { start matrix(1,0,0,0, 2,0,0,0, 0,0,1,0) box; }", "E1009"),
-        ("csg S { start uscale(1e-200) uscale(1e-200) box; }", "E1009"),
-        ("csg S { start rotx(1e300) move(1e300,0,0) zshear(1e300,0) box; }", "fine"),
-        ("csg S { start box & triangle; }", "E0511"),
-        ("csg S { start box \\ T; T -> triangle; }", "E0511"),
     ]);
 }
 
@@ -172,6 +64,74 @@ fn recursion_ends_in_a_picture_or_in_a_message() {
         ("csg S { start T; T @ inf -> box; T @ 2 -> sphere; }", "E1003"),
         ("csg S { start T; T @ 1e-320 -> box; T @ 0 -> sphere; }", "fine"),
     ]);
+}
+
+/// Row 37: what a draw decides is the same each time with one seed, in every way, and told in the same words.
+#[test]
+fn one_seed_comes_to_one_answer() {
+    let cycle = |low: &str, high: &str| {
+        format!(
+            "csg S {{ start T; T -> sphere | move(1.2, 0, 0) uscale(random({low}, {high})) T; }} scene {{ show S(); }}"
+        )
+    };
+    on_deep_stacks(|| {
+        for seed in [0, 1, 7] {
+            for (text, is_fine) in [(cycle(".5", "1.5"), false), (cycle(".3", ".9"), true)] {
+                let outcome = || {
+                    let mut compiled = compiled(&text);
+                    let scene = compiled.scene.as_mut().unwrap();
+                    scene.seed = seed;
+                    let tracer = CellTracer::new(scene, &Limits::default(), Culling::State);
+                    let options = RenderOptions { size: Some((16, 12)), ..RenderOptions::default() };
+                    tracer.and_then(|it| render(scene, &it, &options, &()))
+                };
+                let first = outcome();
+                assert_eq!(first.is_ok(), is_fine, "{seed}: {text}");
+                assert!(first == outcome() && first == outcome(), "{seed}: {text}");
+            }
+        }
+    });
+}
+
+/// Row 39: counters that pass by what they wait for are warned of, and end at a limit or at the pixel.
+#[test]
+fn counters_that_skip_their_end_are_warned_of() {
+    for (start, step, end, shrinks) in [
+        ("5", "c - 2", "0", true),
+        ("5", "c - 2", "0", false),
+        ("3", "c - .3", "0", true),
+        // Ten times .1 is less than 1 by a rounding.
+        ("0", "c + .1", "1", true),
+        ("0", "c + .1", "1", false),
+        // 2^53 and 1 is 2^53 again.
+        ("9007199254740992", "c + 1", "9007199254740994", true),
+        ("9007199254740992", "c + 1", "9007199254740994", false),
+        // It skips its end, too, but only after more steps than are followed.
+        ("9007199254740993", "c - 2", "1", true),
+        ("9007199254740993", "c - 2", "1", false),
+    ] {
+        let scale = if shrinks { "uscale(.5) " } else { "" };
+        let text = format!(
+            "csg S {{ start T({start}); T(c) if c == {end} -> box; T(c) -> sphere | move(1, 0, 0) {scale}T({step}); }}"
+        );
+        // Without an end that is told beforehand, if the values come again, or at the limit.
+        let drawn = on_deep_stacks(|| traced(&text));
+        assert!(if shrinks { drawn == "fine" } else { ["E0911", "E1011"].contains(&&*drawn) }, "{drawn}: {text}");
+        let warnings = idle_rules(&compiled(&text));
+        let told: Vec<&str> = warnings.iter().map(|it| it.code).collect();
+        let is_soon = start != "9007199254740993";
+        assert_eq!(told, if is_soon { &["W0007"][..] } else { &[] }, "{text}");
+    }
+    // And those that come to it are not.
+    for (start, step, end) in
+        [("6", "c - 2", "0"), ("0", "c + .125", "1"), ("9007199254740992", "c - 1", "9007199254740990")]
+    {
+        let text = format!(
+            "csg S {{ start T({start}); T(c) if c == {end} -> box; T(c) -> sphere | move(1, 0, 0) uscale(.5) T({step}); }}"
+        );
+        assert_outcomes(&[(&text, "fine")]);
+        assert!(idle_rules(&compiled(&text)).is_empty(), "{text}");
+    }
 }
 
 #[test]
@@ -208,77 +168,6 @@ fn what_grows_meets_its_limit_before_the_memory_is_taken() {
         ("csg S { var l = []; start T(9); T(n) if n == 0 -> box; T(n) -> {l = [l]} T(n - 1); }", "E0908"),
         ("scene { image { size: (65536, 65536) } camera { eye: (0,-5,0), target: (0,0,0) } show box; }", "fine"),
         ("scene { image { size: (1, 1e9) } show box; }", "E0608"),
-    ]);
-}
-
-#[test]
-fn walks_end_in_a_picture_or_in_a_message() {
-    let step = "segment(.1, .05, .05)";
-    assert_outcomes(&[
-        // Without an end.
-        ("shape S { start a; a +> segment(1,.1,.1) a; }", "E0924"),
-        ("shape S { start a; a -> segment(1,.1,.1) a; }", "E0924"),
-        ("shape S { start a; a +> move(0, 0, 1) a; }", "E0922"),
-        ("shape S { start a; a -> a a; }", "E0923"),
-        ("shape S { start a; a -> repeat 1e6 { segment(1,.1,.1) } a; }", "E0924"),
-        ("shape S { start a; a -> repeat 1e6 { rotz(1) } a; }", "E0925"),
-        ("shape S { start a; a -> repeat 1e4 { repeat 1e4 { nothing } } a; }", "E0914"),
-        ("shape S { start a; a -> b; b -> a; }", "E0922"),
-        ("shape S { start a; a if 1 > 2 -> a; }", "fine"),
-        ("shape S { start nothing; }", "fine"),
-        // Priorities.
-        (
-            "shape S { start a; priority 2147483647 { a -> segment(1,.1,.1) b; } priority -2147483647 { b -> nothing; } }",
-            "fine",
-        ),
-        ("shape S { start a; priority 2147483648 { a -> nothing; } }", "E0516"),
-        ("shape S { start a; priority .5 { a -> nothing; } }", "E0516"),
-        ("shape S { start a; priority -2147483649 { a -> nothing; } }", "E0516"),
-        // Nothing is ever laid.
-        ("shape S { start a; a -> b b; b -> nothing; }", "fine"),
-        // Brackets and frames.
-        ("shape S { start <200: [>segment(1,.1,.1)<200: ]>; }", "fine"),
-        ("shape S { start <100000: [>", "E0903"),
-        ("shape S { start <100000: [>segment(1,.1,.1)<100000: ]>; }", "E0903"),
-        ("shape S { start a; a -> [ segment(1,.1,.1); b -> ] segment(1,.1,.1); }", "E0114"),
-        ("shape S { start repeat 400 { uscale(10) } segment(1,.1,.1); }", "E1015"),
-        ("shape S { start repeat 400 { uscale(.1) } segment(1,.1,.1); }", "E1015"),
-        ("shape S { start move(1e308,0,0) move(1e308,0,0) segment(1,.1,.1); }", "E1015"),
-        // Lengths and radii.
-        ("shape S { start segment(0, 1, 1) segment(1, 0, 0) segment(1, .1, .1); }", "fine"),
-        ("shape S { start segment(-1, 1, 1); }", "E1013"),
-        ("shape S { start segment(1, -1, 1); }", "E1013"),
-        ("shape S { start segment(inf, 1, 1); }", "E1013"),
-        ("shape S { start segment(1, inf, 1); }", "E1013"),
-        ("shape S { start segment(0/0, 1, 1); }", "E1005"),
-        ("shape S { start segment(1, 0, 0); }", "fine"),
-        ("shape S { start segment(1, .1, .1) segment(0, .1, .1) segment(1, .1, .05); }", "fine"),
-        ("shape S { start segment(1e-300, 1, 1) segment(1, .1, .1); }", "fine"),
-        ("shape S { start segment(1e-300, 1e-300, 1e-300); }", "fine"),
-        ("shape S { start segment(1e300, 1, 1); }", "fine"),
-        ("shape S { start segment(1, 1e9, 1e9); }", "fine"),
-        ("shape S { start segment(1, 0, .1) segment(1, .1, 0) segment(1, .1, .1); }", "fine"),
-        ("shape S { start segment(1, 1e-300, 1e300); }", "fine"),
-        ("shape S { start toward((0,0,0), 1) segment(1,.1,.1); }", "E1014"),
-        ("shape S { start toward((0,0,1), -1) segment(1,.1,.1); }", "E1014"),
-        // Bends and long stems.
-        (&format!("shape S {{ start repeat 200 {{ {step} rotx(180) }}; }}"), "fine"),
-        (&format!("shape S {{ start repeat 200 {{ {step} rotx(179.999) rotz(1e-9) }}; }}"), "fine"),
-        (&format!("shape S {{ start repeat 100 {{ [ repeat 5 {{ {step} }} ] }}; }}"), "fine"),
-        (&format!("shape S {{ start repeat 30000 as i {{ {step} rotx(2) rotz(i / 100) }}; }}"), "fine"),
-        // The same place again, there and back, and a stem that crosses itself.
-        (&format!("shape S {{ start repeat 9 {{ [ {step} rotx(30) {step} ] }}; }}"), "fine"),
-        (&format!("shape S {{ start repeat 9 {{ {step} rotx(180) {step} rotx(180) }}; }}"), "fine"),
-        (&format!("shape S {{ start repeat 9 {{ {step} rotx(90) }}; }}"), "fine"),
-        ("shape S { start repeat 60 { segment(.1, .3, .3) rotx(90) }; }", "fine"),
-        ("shape S { start variant(0) segment(1,.1,.1); }", "E1008"),
-        // A walk is no expression, and an expression no walk.
-        ("shape S { start a | a; a -> nothing; }", "E0510"),
-        ("shape S { start (a); a -> nothing; }", "E0510"),
-        ("shape S { start uscale(.5) (sphere | a); a -> nothing; }", "E0510"),
-        ("csg S { start segment(1, 1, 1); }", "E0508"),
-        ("shape S { start mesh(\"stone.obj\"); }", "E0201"),
-        ("shape S { start S2; } csg S2 { start box; }", "E0407"),
     ]);
 }
 
@@ -375,35 +264,6 @@ fn what_is_large_costs_what_is_seen_of_it() {
             "fine",
         ),
     ]);
-}
-
-#[test]
-fn hard_cases_of_geometry_look_as_they_do_by_the_book() {
-    let view = |show: &str, eye: &str| {
-        format!("scene {{ camera {{ eye: {eye}, target: (.1,.2,.3), fov: 50 }} show {show}; }}")
-    };
-    let outside = "(6,-9,5)";
-    let programs = [
-        view("quadric(1,1,-1,0,0,0,0,0,0,-1)", outside),
-        view("paraboloid(1,.5) & halfspace(0,0,-1,2) \\ move(0,-1,-1) uscale(.7) sphere", outside),
-        view("halfspace(0,0,1,1) \\ halfspace(0,0,1,0) \\ move(0,0,.5) uscale(2) sphere", outside),
-        view("torus(.4) \\ halfspace(1,-1,0,0)", outside),
-        view("box \\ (uscale(.9) box \\ (uscale(.8) box \\ uscale(.7) box)) & halfspace(0,-1,0,0)", outside),
-        view("(sphere \\ uscale(.999999) sphere) & halfspace(0,-1,0,0)", outside),
-        view("mirror(1,1,0) scale(1,2,.5) (box \\ move(1,1,1) uscale(1.2) sphere)", outside),
-        view("zshear(.5,.3) (box \\ cylinder) | matrix(-1,.5,0,3, 0,1,.3,0, 0,0,1,0) cone(1,.3)", outside),
-        view("box | move(2,0,0) box | move(0,0,2) box \\ move(1,0,2) box", outside),
-        view("uscale(3) box \\ sphere", "(0,0,0)"),
-        view("uscale(3) box \\ sphere", "(0,0,2)"),
-        view("sphere \\ uscale(.9) sphere", "(0,-.95,0)"),
-        view("halfspace(0,0,1,0) | sphere", "(0,-5,-1)"),
-        view("box | move(2,0,0) sphere", "(.1,.2,9)"),
-    ];
-    let different: Vec<String> = on_deep_stacks(|| {
-        let differs = |program: &String| picture(program, false) != picture(program, true);
-        programs.into_iter().filter(differs).collect()
-    });
-    assert!(different.is_empty(), "{}", different.join("\n"));
 }
 
 #[test]

@@ -105,6 +105,8 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     problems.extend(found.problems);
     load::drop_consequences(&units, own, &mut problems);
     settings::mark(&mut problems, units.len());
+    // What is lowered may be as large again.
+    drop(units);
     let scene = if problems.iter().any(Problem::is_error) {
         None
     } else {

@@ -90,7 +90,11 @@ impl<'a> Coder<'a> {
     }
 
     /// The code, and where it grew beyond its limit if it did.
-    pub(crate) fn finish(self, results: Vec<Reg>) -> (Code, Option<Span>) {
+    pub(crate) fn finish(mut self, mut results: Vec<Reg>) -> (Code, Option<Span>) {
+        // Most codes are short, and there may be very many of them.
+        self.ops.shrink_to_fit();
+        self.origins.shrink_to_fit();
+        results.shrink_to_fit();
         let registers = self.most.min(usize::from(u16::MAX)) as u16;
         (Code { ops: self.ops, origins: self.origins, registers, results }, self.overflow)
     }

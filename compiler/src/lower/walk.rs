@@ -109,7 +109,10 @@ impl Lowering<'_> {
         let SolidKind::Walk(terms) = &solid.kind else {
             return Walk::default();
         };
-        Walk { strides: terms.iter().filter_map(|it| self.stride(body, it)).collect() }
+        let mut strides: Vec<Stride> = terms.iter().filter_map(|it| self.stride(body, it)).collect();
+        // Most walks are short, and there may be very many of them.
+        strides.shrink_to_fit();
+        Walk { strides }
     }
 
     fn stride(&mut self, body: &mut Body<'_>, term: &Term) -> Option<Stride> {

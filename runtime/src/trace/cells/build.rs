@@ -14,7 +14,7 @@ use super::cell::{Boolean, COARSE_SIDE, Cell, Frame, Grain, Instance, Leaf, Leaf
 use super::draft::{Draft, Outline, Way, draft};
 use super::merge::Merge;
 use super::piece::{Piece, Shape};
-use super::ray::Inwards;
+use super::ray::{Inwards, is_straight};
 use super::store::{Generation, Store};
 use super::workshop::{Measure, Workshop};
 use crate::abstraction::primitive_bounds;
@@ -178,7 +178,8 @@ impl Layout<'_, '_, '_> {
         let (leaf_from_cell, shape) = self.leaf_shape(primitive, leaf_from_cell);
         let has_relief = bark.is_some_and(|it| it.hide.is_some());
         let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
-        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid, part });
+        let straight = is_straight(&leaf_from_cell.matrix3);
+        self.cell.leaves.push(Leaf { leaf_from_cell, straight, shape, solid, part });
         (member, bounds)
     }
 

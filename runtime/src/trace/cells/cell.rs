@@ -157,6 +157,8 @@ impl Ref {
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub(super) leaf_from_cell: DAffine3,
+    /// Whether that keeps all directions, as [`Inwards`](super::ray::Inwards) may.
+    pub(super) straight: bool,
     pub(super) shape: LeafShape,
     /// Whether it has an inside.
     pub(super) solid: bool,

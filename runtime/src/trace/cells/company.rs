@@ -29,27 +29,34 @@ pub(super) struct Packet<'q, S: Simd> {
     from: [Option<&'q Site>; RAYS],
     /// The lanes that are not left, one bit each,
     asking: u32,
+    /// those of beams that start on surfaces,
+    pub(super) sited: u32,
     /// and those of beams that go through the solid that they start on.
     through: u32,
 }
 
 impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
-    /// Of at most sixteen beams, and at least one.
+    /// Of at most sixteen beams, and at least one, by their numbers.
     #[inline(always)]
-    pub(super) fn new<K: Kernel<Lanes = S>>(kernel: K, beams: &'q [impl Start]) -> Self {
+    pub(super) fn new<K, B>(kernel: K, count: usize, beam: B) -> Self
+    where
+        K: Kernel<Lanes = S>,
+        B: Fn(usize) -> (Beam, Option<&'q Site>),
+    {
         let lanes = kernel.lanes();
         let zero = Wide::splat(lanes, 0.0);
         let nowhere = Wide3 { x: zero, y: zero, z: zero };
-        let (mut from, mut through) = ([None; RAYS], 0);
+        let (mut from, mut sited, mut through) = ([None; RAYS], 0, 0);
         let (mut origin, mut direction) = ([nowhere; 2], [nowhere; 2]);
         let (mut width, mut spread) = ([zero.value; 2], [zero.value; 2]);
         for half in 0..2 {
             let mut rows = [zero.value; EIGHT];
             for (lane, row) in rows.iter_mut().enumerate() {
                 let number = half * EIGHT + lane;
-                let (beam, site) = beams.get(number).unwrap_or(&beams[0]).beam();
+                let (beam, site) = beam(if number < count { number } else { 0 });
                 *row = pulp::cast(beam.numbers());
                 from[number] = site;
+                sited |= u32::from(site.is_some()) << number;
                 through |= u32::from(site.is_some_and(Site::is_through)) << number;
             }
             let [x, y, z, to_x, to_y, to_z, wide, spreading] = kernel.transposed(rows);
@@ -57,8 +64,8 @@ impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
             direction[half] = Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) };
             (width[half], spread[half]) = (wide, spreading);
         }
-        let asking = ((1_u64 << beams.len()) - 1) as u32;
-        Self { origin, direction, width, spread, from, asking, through }
+        let asking = ((1_u64 << count) - 1) as u32;
+        Self { origin, direction, width, spread, from, asking, sited, through }
     }
 }
 

@@ -7,7 +7,7 @@ use pulp::{Simd, f32x16};
 use smallvec::SmallVec;
 
 use super::ask::{Found, Mark, NONE, Notes, Question, start_part};
-use super::boxes::{BoxRays, Met, Node, Opened, WIDTH, lanes_of};
+use super::boxes::{BoxRays, Met, Node, Opened, WIDTH};
 use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::company::{Answer, Halves, Packet, PacketAsk, RAYS};
 use super::ending::{Met as Ended, ending};
@@ -17,7 +17,7 @@ use super::traverse::{Passage, SINGLE, Scratch, Start as Beginning, Tracing, is_
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Pierced, Shown};
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, negative16};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16};
 
 /// Rays that go on alone if no more are left.
 const FEW: u32 = 2;
@@ -133,7 +133,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         }
         frame.rays.boxes = BoxRays::new(kernel, &frame.rays.local, asking);
         frame.starting = 0;
-        for ray in lanes_of(asking) {
+        for ray in lanes_of(asking & packet.sited) {
             frame.start(ray, start_part(self.ask.from[ray], 0));
         }
         let searched = match self.enter(asking) {
@@ -559,7 +559,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 continue;
             }
             let local = &frame.rays.local[half];
-            let pieces = convex.pieces(lanes, &local.lines(&leaf.leaf_from_cell));
+            let pieces = convex.pieces(lanes, &local.lines(leaf));
             let asking = Mask::new(lanes, kernel.mask(rays));
             odd |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
             let met = pieces.met & asking;

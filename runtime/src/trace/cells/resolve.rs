@@ -368,10 +368,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                         (outwards, 0.0, u32::from(mark.face))
                     }
                     None => {
-                        let (outwards, face) = self.shaped_normal(place, (leaf, part), mark, hit);
-                        let turned =
-                            if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
-                        (if turned { -outwards } else { outwards }, 0.0, face)
+                        let (normal, face) = self.shaped_normal(place, (leaf, part), mark, hit);
+                        (normal, 0.0, face)
                     }
                 }
             }
@@ -447,7 +445,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// A vector along the normal of a flat face of a convex primitive in the world, outwards. The frames of such primitives are such that nothing here is out of
     /// range ([`LeafShape::Convex`], [`near_one`]).
     #[inline(always)]
-    fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
+    pub(super) fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
         let LeafShape::Convex(convex) = leaf.shape else {
             return None;
         };
@@ -455,9 +453,15 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         Some(transposed(&place.cell_from_world, normal))
     }
 
-    /// The normal in the world where a ray meets any other surface, and the face.
+    /// The normal in the world where a ray meets any other surface, on the side that is seen, and the face.
     #[inline(never)]
-    fn shaped_normal(&self, place: &Place, (leaf, part): (&Leaf, &Part), mark: Mark, hit: &Hit) -> (DVec3, u32) {
+    pub(super) fn shaped_normal(
+        &self,
+        place: &Place,
+        (leaf, part): (&Leaf, &Part),
+        mark: Mark,
+        hit: &Hit,
+    ) -> (DVec3, u32) {
         let cell = self.cell_of(place);
         // What is cut by others is not carved.
         let cut = place.frozen || part.frozen;
@@ -467,7 +471,9 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let shown = cell.shown(leaf, width);
         let line = || line_in(&self.local(place, hit.ray), leaf, hit.depth);
         let face = cell.face(leaf, shown, mark.face, rough, line);
-        (self.normal(place, cell, (leaf, face), (shown, rough), hit), face)
+        let outwards = self.normal(place, cell, (leaf, face), (shown, rough), hit);
+        let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
+        (if turned { -outwards } else { outwards }, face)
     }
 
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
@@ -526,6 +532,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 }
 
 impl Place<'_> {
+    /// The numbers of the parts on the way to the cell.
+    #[inline(always)]
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The numbers of the parts on the way to a part.
     #[inline(always)]
     pub(super) fn path_to(&self, part: u32) -> Path {

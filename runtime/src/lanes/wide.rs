@@ -84,6 +84,13 @@ impl<S: Simd> Wide<S> {
 }
 
 impl<S: Simd> Mask<S> {
+    /// No lane.
+    #[inline(always)]
+    pub(crate) fn none(lanes: S) -> Self {
+        let zero = Wide::splat(lanes, 0.0);
+        zero.lt(zero)
+    }
+
     #[inline(always)]
     pub(crate) fn new(lanes: S, value: S::m64s) -> Self {
         Self { lanes, value }

@@ -196,15 +196,22 @@ impl Task for Somewhere<'_> {
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> bool {
-        let lanes = kernel.lanes();
-        let finite = |row: &Row, half: usize| {
-            let sum = Wide3::of_columns(lanes, &row.position, half) + Wide3::of_columns(lanes, &row.normal, half);
-            // Infinities of both signs add up to what is no number, which is not finite either.
-            let sum = sum.x + sum.y + sum.z;
-            kernel.bits(sum.abs().lt(sum.all(f64::INFINITY)).value) << (half * EIGHT)
-        };
-        self.0.rows().iter().all(|row| row.bare & !(finite(row, 0) | finite(row, 1)) == 0)
+        let mut lost = 0;
+        for row in self.0.rows() {
+            lost |= row.bare & !(finite(kernel, row, 0) | finite(kernel, row, 1));
+        }
+        lost == 0
     }
+}
+
+/// The rays of a half of a row that see what is somewhere.
+#[inline(always)]
+fn finite<K: Kernel>(kernel: K, row: &Row, half: usize) -> u32 {
+    let lanes = kernel.lanes();
+    let sum = Wide3::of_columns(lanes, &row.position, half) + Wide3::of_columns(lanes, &row.normal, half);
+    // Infinities of both signs add up to what is no number, which is not finite either.
+    let sum = sum.x + sum.y + sum.z;
+    kernel.bits(sum.abs().lt(sum.all(f64::INFINITY)).value) << (half * EIGHT)
 }
 
 /// Looks for bare surfaces that face a sun.
@@ -227,15 +234,18 @@ impl<F: FnMut(usize, &Row)> Task for Facing<'_, F> {
                 continue;
             }
             lit.coming = [0.0; ABREAST];
-            let facing = |half: usize| {
-                let cosine = Wide3::of_columns(kernel.lanes(), &row.normal, half).dot(toward);
-                kernel.bits(cosine.gt(cosine.all(0.0)).value) << (half * EIGHT)
-            };
-            for lane in lanes_of((facing(0) | facing(1)) & row.bare) {
+            for lane in lanes_of((facing(kernel, row, 0, toward) | facing(kernel, row, 1, toward)) & row.bare) {
                 (self.each)(number * ABREAST + lane, row);
             }
         }
     }
+}
+
+/// The rays of a half of a row that see what faces a direction.
+#[inline(always)]
+fn facing<K: Kernel>(kernel: K, row: &Row, half: usize, toward: Wide3<K::Lanes>) -> u32 {
+    let cosine = Wide3::of_columns(kernel.lanes(), &row.normal, half).dot(toward);
+    kernel.bits(cosine.gt(cosine.all(0.0)).value) << (half * EIGHT)
 }
 
 /// Adds the light of a sun that surfaces scatter.

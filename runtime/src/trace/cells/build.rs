@@ -248,7 +248,8 @@ impl Layout<'_, '_, '_> {
         let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
         let parts = part..self.cell.parts.len() as u32;
         let height = self.height(&self.cell.unions[operands.start as usize..]);
-        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height });
+        let convex = height > 0 && self.are_convex(&self.cell.unions[operands.start as usize..]);
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height, convex });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
 
@@ -263,6 +264,18 @@ impl Layout<'_, '_, '_> {
             Some(Named::Node(_) | Named::Instance(_)) | None => None,
         };
         operands.iter().map(of).try_fold(0, |most, it| it.map(|it| most.max(it))).unwrap_or(0)
+    }
+
+    /// Whether operands are convex solids, and Booleans of such.
+    fn are_convex(&self, operands: &[Union]) -> bool {
+        operands.iter().all(|union| match union.only().map(Ref::named) {
+            Some(Named::Leaf(number)) => {
+                let Leaf { solid, shape, .. } = &self.cell.leaves[number as usize];
+                *solid && matches!(shape, LeafShape::Convex(_))
+            }
+            Some(Named::Boolean(number)) => self.cell.booleans[number as usize].convex,
+            Some(Named::Node(_) | Named::Instance(_)) | None => false,
+        })
     }
 }
 

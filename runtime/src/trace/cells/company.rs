@@ -4,7 +4,7 @@ use pulp::{Simd, f64x8, u64x8};
 
 use super::ask::{Ask, Found, Girth, Loss, Notes, Question, Veil};
 use super::ray::Locals;
-use crate::lanes::{EIGHT, Kernel, Wide, Wide3, lane_of};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, Wide3, lane_of};
 use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
@@ -130,6 +130,45 @@ impl<'q> PacketAsk<'q> {
         let low = kernel.bits(lanes.equal_u64s(self.found[0], nothing));
         let high = kernel.bits(lanes.equal_u64s(self.found[1], nothing));
         !(low | high << EIGHT) & 0xffff
+    }
+
+    /// What pieces of the rays of a half, or surfaces that they meet (with no `far`), say to the question, as [`Ask::meet`]. Gives
+    /// those that meet another surface at the same place: the first written is seen, and that is rare enough to be looked at alone.
+    #[inline(always)]
+    pub(super) fn meet<K: Kernel>(
+        &mut self,
+        kernel: K,
+        half: usize,
+        met: Mask<K::Lanes>,
+        (near, far): (Wide<K::Lanes>, Option<Wide<K::Lanes>>),
+        found: u64x8,
+    ) -> u32 {
+        let lanes = kernel.lanes();
+        let zero = Wide::splat(lanes, 0.0);
+        match self.question {
+            Question::Any => {
+                let mut hit = near.gt(zero);
+                if let Some(far) = far {
+                    hit = hit | (far.gt(zero) & far.lt(Wide::splat(lanes, f64::INFINITY)));
+                }
+                self.end(kernel.bits((met & hit).value) << (half * EIGHT));
+                0
+            }
+            _ => {
+                let best = Wide::new(lanes, self.best[half]);
+                let ahead = met & near.gt(zero);
+                let closer = ahead & near.lt(best);
+                let tie = ahead & near.equals(best);
+                if let Some(far) = far {
+                    let inside = met & near.le(zero) & far.gt(zero);
+                    self.end(kernel.bits(inside.value) << (half * EIGHT));
+                }
+                self.best[half] = closer.select(near, best).value;
+                self.found[half] = closer.select_bits(found, self.found[half]);
+                self.changes += u32::from(kernel.bits(closer.value) != 0);
+                kernel.bits(tie.value)
+            }
+        }
     }
 
     /// How much light comes to a ray.

@@ -105,6 +105,15 @@ impl Convex {
         is_flat.then(|| self.outwards(face, DVec3::ZERO))
     }
 
+    /// A vector along the outward normal of a face at a point of it, whose greatest part is about 1.
+    pub(crate) fn normal(&self, face: u32, point: DVec3) -> DVec3 {
+        /// At an apex there is no normal, and very near to it none that is right.
+        const LEAST: f64 = 1e-100;
+        let outwards = self.outwards(face, point);
+        let size = outwards.abs().max_element();
+        if size > LEAST { outwards * (1.0 / size) } else { self.primitive().normal(point, face) }
+    }
+
     /// A vector along the outward normal of a face, not of length 1.
     fn outwards(&self, face: u32, point: DVec3) -> DVec3 {
         match *self {

@@ -5,10 +5,10 @@
 use glam::DVec3;
 
 use super::ask::{Found, Girth, Mark, Question};
-use super::cell::Named;
+use super::cell::{Leaf, LeafShape, Named, Part};
 use super::company::{Packet, PacketAsk, RAYS};
 use super::flats::upright;
-use super::resolve::Hit;
+use super::resolve::{Hit, Place};
 use super::{Caster, CellTracer};
 use crate::fault::Fault;
 use crate::form::MaterialId;
@@ -49,36 +49,36 @@ impl Task for Glance<'_, '_> {
     }
 }
 
-/// The surface that a ray meets.
+/// The bare surface that a ray meets.
 #[derive(Clone, Copy)]
-enum Surface {
-    /// Flat and bare: the same wherever it is met.
-    Flat(Flat),
-    /// Bare, and round or turned by what it is carved with.
-    Round,
-    /// Not bare.
-    Other,
-}
-
-#[derive(Clone, Copy)]
-struct Flat {
-    /// Outwards, of any length.
-    normal: DVec3,
-    /// Whether it is to be turned over; if that is not known, it is to point to where the ray comes from.
-    turned: Option<bool>,
+struct Surface {
     material: Option<MaterialId>,
     route: u64,
+    normal: Normal,
+    /// Whether that is to be turned over; if it is not known, it is to point to where the ray comes from.
+    turned: Option<bool>,
 }
 
-/// Which normals of a row are not done, and which of those are to be turned over: known, or if they point away from the camera.
+/// Normals of a surface, outwards, of any length.
+#[derive(Clone, Copy)]
+enum Normal {
+    /// The same wherever it is met.
+    Flat(DVec3),
+    /// That of a round face of a convex primitive.
+    Round,
+    /// Any other: it is made whole for each ray alone.
+    Shaped,
+}
+
+/// Which normals of a row are done, and which of the others are to be turned over: as is known, or if they point away from the camera.
 #[derive(Clone, Copy, Default)]
-struct Undone {
-    flat: u32,
+struct Sides {
+    done: u32,
     turned: u32,
     unknown: u32,
 }
 
-impl<K: Kernel> Caster<'_, '_, '_, K> {
+impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
     /// What the beams of a packet see.
     #[inline(always)]
     fn glance(&mut self, beams: &[Beam], bare: &BareMaterials, glances: &mut Glances) -> Result<(), RayFault> {
@@ -93,94 +93,88 @@ impl<K: Kernel> Caster<'_, '_, '_, K> {
         row.other = ask.over | veiled;
         let met = ask.met(self.tracing.kernel) & !row.other & ((1_u64 << beams.len()) - 1) as u32;
         row.depth = pulp::cast(ask.best);
-        let mut undone = Undone::default();
-        let mut last = (Found::NOTHING, Surface::Other);
+        let mut sides = Sides::default();
+        let mut last = (Found::NOTHING, None);
         for lane in lanes_of(met) {
             let (depth, found) = ask.found(lane);
             if found != last.0 {
                 last = (found, self.surface(found, bare).map_err(|fault| RayFault { ray: lane, fault })?);
             }
-            match last.1 {
-                Surface::Flat(flat) => self.fill_flat(lane, found.mark(), &flat, row, &mut sites[lane], &mut undone),
-                Surface::Round => {
-                    let beam = &beams[lane];
-                    let hit = Hit { ray: &beam.ray, girth: Girth::of(beam), number: lane as u8, depth, found };
-                    self.fill_round(lane, &hit, row, &mut sites[lane]);
-                }
-                Surface::Other => row.other |= 1 << lane,
-            }
+            let Some(surface) = &last.1 else {
+                row.other |= 1 << lane;
+                continue;
+            };
+            let beam = &beams[lane];
+            let hit = Hit { ray: &beam.ray, girth: Girth::of(beam), number: lane as u8, depth, found };
+            self.fill(lane, surface, &hit, row, &mut sites[lane], &mut sides);
         }
         row.bare = met & !row.other;
-        undone.finish(self.tracing.kernel, &packet, &ask, row);
+        sides.finish(self.tracing.kernel, &packet, &ask, row);
         if row.other != 0 { self.see_others(beams, &ask, row.other, others) } else { Ok(()) }
     }
 
-    /// The surface of a part that was found.
+    /// The surface that was found, if it is bare.
     #[inline(always)]
-    fn surface(&mut self, found: Found, bare: &BareMaterials) -> Result<Surface, Fault> {
+    fn surface(&mut self, found: Found, bare: &BareMaterials) -> Result<Option<Surface>, Fault> {
         let mark = found.mark();
         self.resolver.go(&self.notes, mark)?;
-        let Some(place) = self.resolver.place() else {
-            return Ok(Surface::Other);
-        };
-        let cell = self.resolver.cell_of(place);
-        let Some(part) = cell.parts.get(mark.part as usize) else {
-            return Ok(Surface::Other);
+        let Some((place, leaf, part)) = self.leaf_at(mark) else {
+            return Ok(None);
         };
         let material = part.material.or(place.material);
-        let Named::Leaf(leaf) = part.member.named() else {
-            return Ok(Surface::Other);
+        let normal = match (self.resolver.flat_normal(place, leaf, mark), leaf.shape) {
+            (Some(normal), _) => Normal::Flat(normal),
+            (None, LeafShape::Convex(_)) => Normal::Round,
+            (None, _) => Normal::Shaped,
         };
-        if !bare.has(material) {
-            return Ok(Surface::Other);
-        }
-        let leaf = &cell.leaves[leaf as usize];
-        Ok(match self.resolver.flat_normal(place, leaf, mark) {
-            Some(normal) => {
-                let turned = leaf.solid.then(|| found.is_flipped());
-                Surface::Flat(Flat { normal, turned, material, route: place.route_to(part) })
-            }
-            None => Surface::Round,
-        })
+        let turned = leaf.solid.then(|| found.is_flipped());
+        Ok(bare.has(material).then(|| Surface { material, route: place.route_to(part), normal, turned }))
     }
 
-    /// Fills in what a ray sees on the flat face that the resolver is at.
+    /// The leaf of a part of the cell that the resolver is at.
     #[inline(always)]
-    fn fill_flat(&self, lane: usize, mark: Mark, flat: &Flat, row: &mut Row, site: &mut Site, undone: &mut Undone) {
-        for axis in 0..3 {
-            row.normal[axis][lane] = flat.normal[axis];
-        }
-        (row.material[lane], row.route[lane]) = (flat.material, flat.route);
-        undone.flat |= 1 << lane;
-        undone.turned |= u32::from(flat.turned == Some(true)) << lane;
-        undone.unknown |= u32::from(flat.turned.is_none()) << lane;
-        if let Some(place) = self.resolver.place() {
-            site.path.lead(place.path(), mark.part);
-            site.face = u32::from(mark.face);
+    fn leaf_at(&self, mark: Mark) -> Option<(&Place<'g>, &Leaf, &Part)> {
+        let place = self.resolver.place()?;
+        let cell = self.resolver.cell_of(place);
+        let part = cell.parts.get(mark.part as usize)?;
+        match part.member.named() {
+            Named::Leaf(leaf) => Some((place, &cell.leaves[leaf as usize], part)),
+            Named::Node(_) | Named::Instance(_) | Named::Boolean(_) => None,
         }
     }
 
-    /// Fills in what a ray sees on any other surface of the place that the resolver is at.
-    #[inline(never)]
-    fn fill_round(&self, lane: usize, hit: &Hit, row: &mut Row, site: &mut Site) {
+    /// Fills in what a ray sees of a bare surface.
+    #[inline(always)]
+    fn fill(&self, lane: usize, surface: &Surface, hit: &Hit, row: &mut Row, site: &mut Site, sides: &mut Sides) {
         let mark = hit.found.mark();
-        let Some(place) = self.resolver.place() else {
-            return;
+        let (normal, face) = match surface.normal {
+            Normal::Flat(normal) => (normal, u32::from(mark.face)),
+            Normal::Round | Normal::Shaped => self.round(hit, sides, lane),
         };
-        let cell = self.resolver.cell_of(place);
-        let Some(part) = cell.parts.get(mark.part as usize) else {
-            return;
-        };
-        let Named::Leaf(leaf) = part.member.named() else {
-            return;
-        };
-        let (normal, face) = self.resolver.shaped_normal(place, (&cell.leaves[leaf as usize], part), mark, hit);
         for axis in 0..3 {
             row.normal[axis][lane] = normal[axis];
         }
-        (row.material[lane], row.route[lane]) = (part.material.or(place.material), place.route_to(part));
-        site.path.lead(place.path(), mark.part);
-        site.face = face;
+        (row.material[lane], row.route[lane]) = (surface.material, surface.route);
+        sides.turned |= u32::from(surface.turned == Some(true)) << lane;
+        sides.unknown |= u32::from(surface.turned.is_none()) << lane;
+        if let Some(place) = self.resolver.place() {
+            site.path.lead(place.path(), mark.part);
+            site.face = face;
+        }
+    }
+
+    /// The normal of a surface where a ray meets it that is not the same all over, and the face.
+    #[inline(never)]
+    fn round(&self, hit: &Hit, sides: &mut Sides, lane: usize) -> (DVec3, u32) {
+        let mark = hit.found.mark();
+        let Some((place, leaf, part)) = self.leaf_at(mark) else {
+            return (DVec3::ZERO, 0);
+        };
+        if let Some(normal) = self.resolver.round_normal(place, leaf, hit) {
+            return (normal, u32::from(mark.face));
+        }
+        sides.done |= 1 << lane;
+        self.resolver.shaped_normal(place, (leaf, part), mark, hit)
     }
 
     /// What those rays of a packet see that see no bare surface.
@@ -201,7 +195,7 @@ impl<K: Kernel> Caster<'_, '_, '_, K> {
     }
 }
 
-impl Undone {
+impl Sides {
     /// Finds where a row's rays meet what they see, and makes their normals what they are to be.
     #[inline(always)]
     fn finish<K: Kernel>(self, kernel: K, packet: &Packet<K::Lanes>, ask: &PacketAsk, row: &mut Row) {
@@ -211,10 +205,10 @@ impl Undone {
             let own = Wide3::of_columns(lanes, &row.normal, half);
             let (normal, away) = upright(own, packet.direction[half]);
             let turned = mask(self.turned, half) | (mask(self.unknown, half) & away);
-            let (flat, best) = (mask(self.flat, half), Wide::new(lanes, ask.best[half]));
+            let (done, best) = (mask(self.done, half), Wide::new(lanes, ask.best[half]));
             let position = packet.origin[half] + packet.direction[half] * best;
             position.put(&mut row.position, half);
-            flat.select3(turned.select3(-normal, normal), own).put(&mut row.normal, half);
+            done.select3(own, turned.select3(-normal, normal)).put(&mut row.normal, half);
         }
     }
 }

@@ -358,13 +358,13 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let Some(part) = cell.parts.get(mark.part as usize) else {
             return;
         };
-        let mut flat = None;
+        let mut undone = None;
         let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                match self.flat_normal(place, leaf, mark) {
+                match self.flat_normal(place, leaf, mark).or_else(|| self.round_normal(place, leaf, hit)) {
                     Some(outwards) => {
-                        flat = Some(leaf.solid.then(|| hit.found.is_flipped()));
+                        undone = Some(leaf.solid.then(|| hit.found.is_flipped()));
                         (outwards, 0.0, u32::from(mark.face))
                     }
                     None => {
@@ -390,7 +390,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         if !cell.barks.is_empty() {
             self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
         }
-        if let Some(turned) = flat {
+        if let Some(turned) = undone {
             self.flats.add(seen.fragments().len() - 1, hit.ray.direction, turned);
         }
     }
@@ -449,8 +449,17 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let LeafShape::Convex(convex) = leaf.shape else {
             return None;
         };
-        let normal = transposed(&leaf.leaf_from_cell.matrix3, convex.flat_normal(u32::from(mark.face))?);
-        Some(transposed(&place.cell_from_world, normal))
+        Some(outwards(place, leaf, convex.flat_normal(u32::from(mark.face))?))
+    }
+
+    /// The same where a ray meets any face of a convex primitive.
+    #[inline(always)]
+    pub(super) fn round_normal(&self, place: &Place, leaf: &Leaf, hit: &Hit) -> Option<DVec3> {
+        let LeafShape::Convex(convex) = leaf.shape else {
+            return None;
+        };
+        let point = point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth);
+        Some(outwards(place, leaf, convex.normal(u32::from(hit.found.mark().face), point)))
     }
 
     /// The normal in the world where a ray meets any other surface, on the side that is seen, and the face.
@@ -562,6 +571,12 @@ fn near_one(matrix: DMat3) -> DMat3 {
     }
     let factor = 1.0 / size;
     DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
+}
+
+/// A normal in the frame of a leaf as a vector of the world.
+#[inline(always)]
+fn outwards(place: &Place, leaf: &Leaf, normal: DVec3) -> DVec3 {
+    transposed(&place.cell_from_world, transposed(&leaf.leaf_from_cell.matrix3, normal))
 }
 
 /// A vector mapped by a transposed matrix.

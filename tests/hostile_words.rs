@@ -1,6 +1,6 @@
 //! Texts and values that mean harm: what is said of each, by its code, its place and what is suggested.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod common;
 
@@ -121,6 +121,16 @@ fn foreign_characters_are_told_where_they_are_with_what_was_meant() {
         ('\u{221e}', "inf"),
         ('\u{2026}', ".."),
         ('\u{ff1b}', ";"),
+        ('\u{b2}', "^2"),
+        ('\u{b9}', "^1"),
+        ('\u{fb01}', "fi"),
+        ('\u{2460}', "1"),
+        ('\u{2167}', "VIII"),
+        ('\u{210e}', "h"),
+        ('\u{1d44e}', "a"),
+        ('\u{1d54f}', "X"),
+        ('\u{24d0}', "a"),
+        ('\u{fe63}', "-"),
     ];
     for (letter, twin) in meant {
         let text = format!("let b = 1 {letter} 2; csg A {{ start sphere; }}");
@@ -136,6 +146,58 @@ fn foreign_characters_are_told_where_they_are_with_what_was_meant() {
         "let \u{1d44e} = 1;",
     ] {
         assert_eq!(first(text).0, "E0101", "{text}");
+    }
+}
+
+/// Row 9: the digits of every script that has ten of them.
+#[test]
+fn a_digit_of_any_script_is_told_with_its_value() {
+    // The zeros of scripts, from Arabic to the mathematical ones.
+    let zeros = "\u{660}\u{6f0}\u{966}\u{9e6}\u{e50}\u{f20}\u{1040}\u{17e0}\u{ff10}\u{104a0}\u{1d7ce}\u{1d7d8}\u{1d7e2}\u{1d7ec}\u{1d7f6}\u{1e950}";
+    for zero in zeros.chars() {
+        for value in 0..10_u32 {
+            let digit = char::from_u32(u32::from(zero) + value).unwrap();
+            let edit = first(&format!("let a = {digit};")).2;
+            assert_eq!(edit, Some(value.to_string()), "{digit:?}");
+        }
+    }
+    assert!(char::from_u32(0x660 + 10).is_some_and(|it| first(&format!("let a = {it};")).2.is_none()));
+}
+
+/// Rows 8 and 9: a whole word or number of foreign letters or digits is one mistake, and what is suggested is the whole of it.
+#[test]
+fn what_is_foreign_from_end_to_end_is_one_mistake() {
+    for (foreign, place, twin) in [
+        // Numbers: Arabic, with its point, after digits of ASCII, full-width.
+        ("\u{661}\u{662}\u{663}", 8, "123"),
+        ("\u{661}\u{66b}\u{665}", 8, "1.5"),
+        ("1\u{662}3", 9, "23"),
+        ("1\u{bd}", 9, ".5"),
+        ("\u{be}", 8, ".75"),
+        ("1\u{ff0e}\u{ff15}", 9, ".5"),
+        ("3\u{00b2}", 9, "^2"),
+        ("3\u{207b}\u{00b9}\u{2070}", 9, "^-10"),
+        // Words: look-alikes with others between them, full-width, mathematical, a ligature, subscripts, letters with marks in two forms.
+        ("b\u{43e}x", 9, "o"),
+        ("\u{455}ph\u{435}r\u{435}", 8, "sphere"),
+        ("\u{ff53}\u{ff50}\u{ff48}", 8, "sph"),
+        ("\u{1d41b}\u{1d428}\u{1d431}", 8, "box"),
+        ("o\u{fb03}ce", 9, "ffi"),
+        ("x\u{2081}\u{2082}", 9, "12"),
+        ("a\u{ff11}", 9, "1"),
+        ("gr\u{f6}sse", 10, "o"),
+        ("gro\u{308}sse", 11, ""),
+    ] {
+        let Compiled { problems, .. } = compiled(&format!("let a = {foreign}; csg A {{ start sphere; }}"));
+        let errors: Vec<_> = problems.iter().filter(|it| it.is_error()).collect();
+        let [error] = errors[..] else { panic!("{foreign}: {errors:?}") };
+        let edit = &error.suggestions[0].edits[0];
+        let start = error.span().unwrap().start;
+        assert_eq!((error.code, start, edit.text.as_str()), ("E0101", place, twin), "{foreign}");
+    }
+    // A word of another language is not half of an English one.
+    for word in ["\u{441}\u{43e}\u{441}\u{43d}\u{430}", "\u{3c0}\u{3c1}", "stra\u{df}e", "\u{6728}"] {
+        assert_eq!(first(&format!("let {word} = 1;")).2, None, "{word}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! What can be wrong with a text: facts, without words.
 
-use crate::Span;
+use crate::{Span, Twin};
 
 /// A mistake in a source text.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +33,8 @@ pub enum SyntaxErrorKind {
     BadCharacter {
         /// The character.
         found: char,
-        /// The text in ASCII that was probably meant.
-        twin: Option<&'static str>,
+        /// What was probably meant by it, or by all at the place.
+        twin: Option<Twin>,
     },
     /// An operator of another language.
     ForeignOperator {

@@ -18,7 +18,7 @@ use crate::console::shown;
 use crate::exit::{Exit, Failure};
 
 /// Bytes of one file.
-const MAX_BYTES: u64 = 4 << 20;
+pub const MAX_BYTES: u64 = 4 << 20;
 
 /// The files of one program.
 #[derive(Debug)]

@@ -19,6 +19,11 @@ pub enum SyntaxErrorKind {
         /// How long it is.
         bytes: usize,
     },
+    /// Laid out by the formatter, the text would be longer than [`MAX_SOURCE_BYTES`](crate::MAX_SOURCE_BYTES).
+    FormattedTooLong {
+        /// How long it would be.
+        bytes: usize,
+    },
     /// The text is full of zero bytes: it is UTF-16 or UTF-32. Nothing of it was read.
     WideCharacters,
     /// A name is longer than [`MAX_NAME_BYTES`](crate::MAX_NAME_BYTES); the tree has only its beginning.

@@ -16,6 +16,10 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
             Problem::error("E0901", "the text is too long", span, format!("{bytes} bytes"))
                 .note(format!("a file may have {MAX_SOURCE_BYTES} bytes"))
         }
+        SyntaxErrorKind::FormattedTooLong { bytes } => {
+            Problem::error("E0901", "formatted, the text would be too long", span, format!("{bytes} bytes"))
+                .note(format!("a file may have {MAX_SOURCE_BYTES} bytes; it is left as it is"))
+        }
         SyntaxErrorKind::WideCharacters => {
             Problem::error("E0115", "the text is not in UTF-8", span, "UTF-16 or UTF-32, by its zero bytes")
         }

@@ -5,7 +5,9 @@
 mod common;
 
 use common::compiled;
-use treegen_compiler::{Compiled, LoadError, Loaded, Loader, Options, certain_faults, compile, problem_of_fault, show};
+use treegen_compiler::{
+    Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, certain_faults, compile, problem_of_fault, show,
+};
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -355,6 +357,39 @@ fn a_file_that_changes_is_one_text_for_all_who_use_it() {
         let is_told = found.problems.iter().any(|it| it.code == "E0201");
         assert!(found.scene.is_some() != is_told, "{seen}: {:?}", found.problems);
     }
+}
+
+/// Files of which it is counted how often they are read.
+#[derive(Default)]
+struct Counted(std::cell::Cell<u32>);
+
+impl Loader for Counted {
+    fn load(&self, _: &str, _: &str) -> Result<Loaded, LoadError> {
+        Err(LoadError::NotFound)
+    }
+
+    fn load_bytes(&self, importer: &str, path: &str, _: u64) -> Result<LoadedBytes, LoadError> {
+        self.0.set(self.0.get() + 1);
+        let name = self.name_of_bytes(importer, path).unwrap();
+        // The second time it is something else, and no mesh.
+        let text = if self.0.get() == 1 { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" } else { "gone" };
+        Ok(LoadedBytes { name, bytes: text.as_bytes().to_vec() })
+    }
+
+    fn name_of_bytes(&self, _: &str, path: &str) -> Option<String> {
+        Some(path.trim_start_matches("./").replace("lib/../", ""))
+    }
+}
+
+/// Row 25: a mesh is read once, by however many spellings of its path.
+#[test]
+fn a_mesh_with_two_spellings_is_read_once() {
+    let files = Counted::default();
+    let text =
+        "csg A { start mesh(\"a.obj\") | move(2, 0, 0) mesh(\"./a.obj\") | move(4, 0, 0) mesh(\"lib/../a.obj\"); }";
+    let found = compile(Loaded { name: "main.tg".into(), text: text.into() }, &files, &Options::default());
+    assert!(found.scene.is_some_and(|it| it.graph.meshes().len() == 1), "{:?}", found.problems);
+    assert_eq!(files.0.get(), 1);
 }
 
 /// Rows 31 and 60 to 63: every field of the scene and of materials with numbers that are none, too large, too small or below 0.

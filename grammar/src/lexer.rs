@@ -298,7 +298,8 @@ impl<'a> Reader<'a> {
         self.logos.bump(length - found.len_utf8());
         let head = self.before(start).filter(|it| matches!(it.token, Token::Number(_)));
         let head_digits = head.map_or("", |it| self.slice(it.start as usize, start));
-        let value = Token::Number(format!("{head_digits}{number}").parse().unwrap_or(f64::MAX));
+        let value = format!("{head_digits}{number}").parse().ok().filter(|it: &f64| it.is_finite());
+        let value = Token::Number(value.unwrap_or(f64::MAX));
         let twin = (length <= MAX_NAME_BYTES).then(|| Twin::sure(number));
         self.foreign(start, end, found, twin);
         match self.found.tokens.last_mut() {

@@ -1,6 +1,6 @@
 //! `treegen fmt FILE...`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use treegen_compiler::Unreadable;
@@ -19,10 +19,10 @@ use crate::supervise::{Progress, supervise};
 ///
 /// # Errors
 /// The last of what went wrong; the others are told before.
-pub fn fmt(arguments: Fmt, console: Console) -> Result<(), Failure> {
+pub fn fmt(arguments: &Fmt, console: Console) -> Result<(), Failure> {
     let progress = Progress::listen()?;
     let mut failed: Option<Failure> = None;
-    for file in arguments.files {
+    for file in &arguments.files {
         let Err(failure) = one(file, arguments.check, &progress, console) else { continue };
         let is_stopped = failure.exit == Exit::Interrupted;
         if let Some(earlier) = failed.replace(failure) {
@@ -41,10 +41,10 @@ struct Formatted {
     after: String,
 }
 
-fn one(file: PathBuf, check: bool, progress: &Arc<Progress>, console: Console) -> Result<(), Failure> {
+fn one(file: &Path, check: bool, progress: &Arc<Progress>, console: Console) -> Result<(), Failure> {
     let is_stdin = file == Path::new("-");
-    let name = shown(&file);
-    let path = file.clone();
+    let name = shown(file);
+    let path = file.to_path_buf();
     let Formatted { before, after } = supervise(progress, Bar::new(console), move |_| formatted(&path, console))?;
     if check {
         let said = Failure::new(Exit::Program, format!("`{name}` is not formatted"));
@@ -53,7 +53,7 @@ fn one(file: PathBuf, check: bool, progress: &Arc<Progress>, console: Console) -
     if after == before && !is_stdin {
         return Ok(());
     }
-    deliver(Place::find(&file)?, after.into_bytes(), progress, console)?;
+    deliver(Place::find(file)?, after.into_bytes(), progress, console)?;
     if !is_stdin {
         console.tell(&format!("{name}: formatted"));
     }

@@ -310,7 +310,8 @@ impl Counts {
 fn names_what_is_lost(said: &str, lost: &str) -> bool {
     let message = said.lines().next().unwrap_or_default();
     let name = message.split('`').nth(1).unwrap_or_default();
-    lost.split(|it: char| !it.is_alphanumeric() && it != '_').any(|it| it == name)
+    let is_name = |it: char| it.is_alphanumeric() || it == '_';
+    !name.is_empty() && lost.split(|it| !is_name(it)).any(|it| it == name)
 }
 
 #[test]

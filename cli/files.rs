@@ -18,7 +18,7 @@ use crate::console::shown;
 use crate::exit::{Exit, Failure};
 
 /// Bytes of one file.
-const MAX_BYTES: u64 = 4 << 20;
+pub const MAX_BYTES: u64 = 4 << 20;
 
 /// The files of one program.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub struct Files {
     main: Main,
     /// What was used, by its path from the root.
     used: RefCell<BTreeMap<PathBuf, String>>,
-    /// The hashes of the pictures that were read, likewise.
+    /// The hashes of the pictures and meshes that were read, likewise.
     pictures: RefCell<BTreeMap<PathBuf, [u8; 32]>>,
 }
 
@@ -176,6 +176,10 @@ impl Loader for Files {
         let name = self.name_of(&inside);
         self.pictures.borrow_mut().insert(inside, Sha256::digest(&bytes).into());
         Ok(LoadedBytes { name, bytes })
+    }
+
+    fn name_of_bytes(&self, importer: &str, path: &str) -> Option<String> {
+        self.locate(importer, path).ok().map(|it| self.name_of(&it))
     }
 }
 
@@ -334,6 +338,19 @@ mod tests {
         fs::write(folder.path().join("main.tg"), "after").unwrap();
         assert_eq!(files.load(&name, "a.tg").unwrap().text, "before");
         assert_eq!(files.load(&name, "main.tg").unwrap().text, "m");
+    }
+
+    #[test]
+    fn what_a_path_leads_to_has_one_name_before_and_after_it_is_read() {
+        let folder = folder_with(&[("main.tg", ""), ("lib/rock.obj", "v 0 0 0"), ("lib/a.tg", "")]);
+        let files = Files::open(&folder.path().join("main.tg")).ok().unwrap();
+        let name = files.main().name;
+        let used = files.load(&name, "lib/a.tg").unwrap().name;
+        let read = files.load_bytes(&name, "lib/rock.obj", 100).unwrap().name;
+        for (importer, path) in [(&name, "lib/rock.obj"), (&name, "./lib/../lib/rock.obj"), (&used, "rock.obj")] {
+            assert_eq!(files.name_of_bytes(importer, path).as_ref(), Some(&read), "{path}");
+        }
+        assert_eq!(files.name_of_bytes(&name, "../rock.obj"), None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! `treegen fmt FILE...`.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use treegen_compiler::Unreadable;
 
@@ -8,6 +9,7 @@ use crate::arguments::Fmt;
 use crate::console::{Console, shown};
 use crate::exit::{Exit, Failure};
 use crate::files::Files;
+use crate::inspect::deliver;
 use crate::output::Place;
 use crate::progress::Bar;
 use crate::supervise::{Progress, supervise};
@@ -17,39 +19,52 @@ use crate::supervise::{Progress, supervise};
 ///
 /// # Errors
 /// The last of what went wrong; the others are told before.
-pub fn fmt(arguments: Fmt, console: Console) -> Result<(), Failure> {
+pub fn fmt(arguments: &Fmt, console: Console) -> Result<(), Failure> {
     let progress = Progress::listen()?;
-    supervise(&progress, Bar::new(console), move |progress| {
-        let mut failed: Option<Failure> = None;
-        for file in &arguments.files {
-            if let Err(failure) = one(file, arguments.check, progress, console)
-                && let Some(earlier) = failed.replace(failure)
-            {
-                console.fail(&earlier);
-            }
+    let mut failed: Option<Failure> = None;
+    for file in &arguments.files {
+        let Err(failure) = one(file, arguments.check, &progress, console) else { continue };
+        let is_stopped = failure.exit == Exit::Interrupted;
+        if let Some(earlier) = failed.replace(failure) {
+            console.fail(&earlier);
         }
-        failed.map_or(Ok(()), Err)
-    })
+        if is_stopped {
+            break;
+        }
+    }
+    failed.map_or(Ok(()), Err)
 }
 
-fn one(file: &Path, check: bool, progress: &Progress, console: Console) -> Result<(), Failure> {
-    let program = Files::open(file)?.main();
-    let before = program.text.clone();
-    let formatted = treegen_compiler::format(program).map_err(|it| unreadable(&it, console))?;
+/// A program before and after.
+struct Formatted {
+    before: String,
+    after: String,
+}
+
+fn one(file: &Path, check: bool, progress: &Arc<Progress>, console: Console) -> Result<(), Failure> {
     let is_stdin = file == Path::new("-");
+    let name = shown(file);
+    let path = file.to_path_buf();
+    let Formatted { before, after } = supervise(progress, Bar::new(console), move |_| formatted(&path, console))?;
     if check {
-        let name = shown(file);
         let said = Failure::new(Exit::Program, format!("`{name}` is not formatted"));
-        return if formatted == before { Ok(()) } else { Err(said.help(format!("`treegen fmt {name}` does it"))) };
+        return if after == before { Ok(()) } else { Err(said.help(format!("`treegen fmt {name}` does it"))) };
     }
-    if formatted == before && !is_stdin {
+    if after == before && !is_stdin {
         return Ok(());
     }
-    Place::find(file)?.stage(progress, |out| out.write_all(formatted.as_bytes()))?.finish()?;
+    deliver(Place::find(file)?, after.into_bytes(), progress, console)?;
     if !is_stdin {
-        console.tell(&format!("{}: formatted", shown(file)));
+        console.tell(&format!("{name}: formatted"));
     }
     Ok(())
+}
+
+fn formatted(file: &Path, console: Console) -> Result<Formatted, Failure> {
+    let program = Files::open(file)?.main();
+    let before = program.text.clone();
+    let after = treegen_compiler::format(program).map_err(|it| unreadable(&it, console))?;
+    Ok(Formatted { before, after })
 }
 
 fn unreadable(text: &Unreadable, console: Console) -> Failure {

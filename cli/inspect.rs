@@ -120,8 +120,11 @@ fn find(
     })
 }
 
-/// Writes it; whoever reads a pipe may let it wait.
-fn deliver(place: Place, bytes: Vec<u8>, progress: &Arc<Progress>, console: Console) -> Result<(), Failure> {
+/// Writes bytes; whoever reads a pipe may let it wait.
+///
+/// # Errors
+/// The system's reason, or that the run was interrupted.
+pub fn deliver(place: Place, bytes: Vec<u8>, progress: &Arc<Progress>, console: Console) -> Result<(), Failure> {
     let write = move |out: &mut dyn Write| -> io::Result<()> { out.write_all(&bytes) };
     if place.is_file() {
         return place.stream(progress, write);

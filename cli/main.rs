@@ -44,7 +44,7 @@ fn main() -> ExitCode {
             limits::print();
             Ok(())
         }
-        Some(Command::Fmt(arguments)) => fmt::fmt(arguments, console),
+        Some(Command::Fmt(arguments)) => fmt::fmt(&arguments, console),
         Some(Command::Measure(arguments)) => measure::measure(arguments, console),
         None => match mesh::Format::of(&cli.render.output()) {
             Some(format) => mesh::export(cli.render, format, console),

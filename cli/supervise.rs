@@ -1,7 +1,7 @@
 //! The work runs on a thread of its own; the main thread watches it, draws its progress and hears the signals.
 //!
-//! So an interrupt ends the run at once, however long a step of the work may take: until the picture is written there is nothing
-//! that would have to be cleaned up.
+//! So an interrupt ends the run at once, however long a step of the work may take: files are written by the main thread, which takes
+//! away what is not whole, and until then there is nothing that would have to be cleaned up.
 
 use std::io;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ impl Progress {
     }
 
     fn register(&self) -> io::Result<()> {
-        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        for signal in ending() {
             // The second of its kind finds the flag set and ends the process where it stands.
             let flag = &self.interrupted;
             signal_hook::flag::register_conditional_shutdown(signal, Exit::Interrupted as i32, Arc::clone(flag))?;
@@ -67,6 +67,26 @@ impl Watch for Progress {
     fn interrupted(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
     }
+}
+
+/// The signals that end a run.
+fn ending() -> Vec<i32> {
+    let mut signals = vec![signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
+    #[cfg(unix)]
+    if !is_ignored(signal_hook::consts::SIGHUP) {
+        signals.push(signal_hook::consts::SIGHUP);
+    }
+    signals
+}
+
+/// Whether this process was told to ignore a signal by whoever started it, as `nohup` does: then it is none of its business.
+/// A system that cannot be asked has its own way with it.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|it| it.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|it| u64::from_str_radix(it.trim(), 16).ok());
+    ignored.is_none_or(|it| it & 1 << (signal - 1) != 0)
 }
 
 /// Does the work on a thread with a large stack, while this thread draws its progress.

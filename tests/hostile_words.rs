@@ -1,11 +1,13 @@
 //! Texts and values that mean harm: what is said of each, by its code, its place and what is suggested.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod common;
 
 use common::compiled;
-use treegen_compiler::{Compiled, LoadError, Loaded, Loader, Options, certain_faults, compile, problem_of_fault, show};
+use treegen_compiler::{
+    Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, certain_faults, compile, problem_of_fault, show,
+};
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -121,6 +123,16 @@ fn foreign_characters_are_told_where_they_are_with_what_was_meant() {
         ('\u{221e}', "inf"),
         ('\u{2026}', ".."),
         ('\u{ff1b}', ";"),
+        ('\u{b2}', "^2"),
+        ('\u{b9}', "^1"),
+        ('\u{fb01}', "fi"),
+        ('\u{2460}', "1"),
+        ('\u{2167}', "VIII"),
+        ('\u{210e}', "h"),
+        ('\u{1d44e}', "a"),
+        ('\u{1d54f}', "X"),
+        ('\u{24d0}', "a"),
+        ('\u{fe63}', "-"),
     ];
     for (letter, twin) in meant {
         let text = format!("let b = 1 {letter} 2; csg A {{ start sphere; }}");
@@ -128,14 +140,60 @@ fn foreign_characters_are_told_where_they_are_with_what_was_meant() {
         let edit = edit.map(|it| it.trim().to_owned());
         assert_eq!((code, place, edit.as_deref()), ("E0101", 10, Some(twin)), "{letter:?}");
     }
-    for text in [
-        "use \u{201c}a.tg\u{201d};",
-        "let a = 30\u{b0};",
-        "let u\u{308}ber = 1;",
-        "let a = \u{665};",
-        "let \u{1d44e} = 1;",
-    ] {
+    for text in ["use \u{201c}a.tg\u{201d};", "let a = 30\u{b0};"] {
         assert_eq!(first(text).0, "E0101", "{text}");
+    }
+}
+
+/// Row 9: the digits of every script that has ten of them.
+#[test]
+fn a_digit_of_any_script_is_told_with_its_value() {
+    // The zeros of scripts, from Arabic to the mathematical ones.
+    let zeros = "\u{660}\u{6f0}\u{966}\u{9e6}\u{e50}\u{f20}\u{1040}\u{17e0}\u{ff10}\u{104a0}\u{1d7ce}\u{1d7d8}\u{1d7e2}\u{1d7ec}\u{1d7f6}\u{1e950}";
+    for zero in zeros.chars() {
+        for value in 0..10_u32 {
+            let digit = char::from_u32(u32::from(zero) + value).unwrap();
+            let edit = first(&format!("let a = {digit};")).2;
+            assert_eq!(edit, Some(value.to_string()), "{digit:?}");
+        }
+    }
+    assert!(char::from_u32(0x660 + 10).is_some_and(|it| first(&format!("let a = {it};")).2.is_none()));
+}
+
+/// Rows 8 and 9: a whole word or number of foreign letters or digits is one mistake, and what is suggested is the whole of it.
+#[test]
+fn what_is_foreign_from_end_to_end_is_one_mistake() {
+    for (foreign, place, twin) in [
+        // Numbers: Arabic, with its point, after digits of ASCII, full-width.
+        ("\u{661}\u{662}\u{663}", 8, "123"),
+        ("\u{661}\u{66b}\u{665}", 8, "1.5"),
+        ("1\u{662}3", 9, "23"),
+        ("1\u{bd}", 9, ".5"),
+        ("\u{be}", 8, ".75"),
+        ("1\u{ff0e}\u{ff15}", 9, ".5"),
+        ("3\u{00b2}", 9, "^2"),
+        ("3\u{207b}\u{00b9}\u{2070}", 9, "^-10"),
+        // Words: look-alikes with others between them, full-width, mathematical, a ligature, subscripts, letters with marks in two forms.
+        ("b\u{43e}x", 9, "o"),
+        ("\u{455}ph\u{435}r\u{435}", 8, "sphere"),
+        ("\u{ff53}\u{ff50}\u{ff48}", 8, "sph"),
+        ("\u{1d41b}\u{1d428}\u{1d431}", 8, "box"),
+        ("o\u{fb03}ce", 9, "ffi"),
+        ("x\u{2081}\u{2082}", 9, "12"),
+        ("a\u{ff11}", 9, "1"),
+        ("gr\u{f6}sse", 10, "o"),
+        ("gro\u{308}sse", 11, ""),
+    ] {
+        let Compiled { problems, .. } = compiled(&format!("let a = {foreign}; csg A {{ start sphere; }}"));
+        let errors: Vec<_> = problems.iter().filter(|it| it.is_error()).collect();
+        let [error] = errors[..] else { panic!("{foreign}: {errors:?}") };
+        let edit = &error.suggestions[0].edits[0];
+        let start = error.span().unwrap().start;
+        assert_eq!((error.code, start, edit.text.as_str()), ("E0101", place, twin), "{foreign}");
+    }
+    // A word of another language is not half of an English one.
+    for word in ["\u{441}\u{43e}\u{441}\u{43d}\u{430}", "\u{3c0}\u{3c1}", "stra\u{df}e", "\u{6728}"] {
+        assert_eq!(first(&format!("let {word} = 1;")).2, None, "{word}");
     }
 }
 
@@ -232,10 +290,82 @@ fn what_is_there_twice_is_told_with_both_places() {
         ("csg B(x) { start uscale(x) sphere; } csg A { start B(1, x: 2); }", "E0404"),
         ("csg A { start T(1); one: T(n) if n > 2 -> box; one: T(n) -> sphere; }", "E0305"),
         ("shape A { start T; one: T @ 1 -> T; one: T @ 2 -> segment(1, .1, .1); }", "E0305"),
+        // Formals of modules, in the first rule and in a later one.
+        ("csg S { start T(1, 2); T(n, n) -> uscale(n) box; }", "E0305"),
+        ("csg S { start T(1, 2); T(n, m) if n > m -> uscale(n) box; T(n, n) -> box; }", "E0305"),
+        ("csg S { fn f(x) = x; fn f(y) = y; start uscale(f(1)) box; }", "E0305"),
+        ("csg S { var v = 1, v = 2; start uscale(v) box; }", "E0305"),
+        ("csg S { var v = 1; calc c { v = 2 } calc c { v = 3 } start { c } uscale(v) box; }", "E0305"),
+        ("csg S { start { let v = 1; let v = 2 } uscale(v) box; }", "E0306"),
+        ("csg S { start repeat 2 as i { repeat 2 as i { move(i, 0, 0) box } }; }", "E0306"),
+        ("csg S { start T; select T by 1; select T by 2; T -> box; T -> sphere; }", "E0502"),
+        ("csg S { start T; T -> box; proxy T -> sphere; proxy T -> box; }", "E0502"),
+        // What a file defines.
+        ("param a = 1; param a = 2; csg S { start uscale(a) box; }", "E0305"),
+        ("param a = 1; let a = 2; csg S { start uscale(a) box; }", "E0306"),
+        ("enum K { a } enum K { b } csg S { start box; }", "E0305"),
+        ("texture T { kind: fbm } texture T { kind: fbm } csg S { start box; }", "E0305"),
+        ("material M { gloss: 0 } material M { gloss: 1 } scene { show paint(M) box; }", "E0305"),
+        // Fields and records.
+        ("texture T { kind: fbm, kind: fourier } csg S { start box; }", "E0602"),
+        ("scene { camera { eye: (0, 0, 1), eye: (0, 0, 2), target: (0, 0, 0) } show box; }", "E0602"),
+        ("scene { sun { direction: (0, 1, -1), direction: (0, 1, -2) } show box; }", "E0602"),
+        ("scene { image { size: (8, 8) } image { size: (9, 9) } show box; }", "E0605"),
+        ("scene { sky { strength: 1 } sky { strength: 2 } show box; }", "E0605"),
     ] {
         let Compiled { problems, .. } = compiled(text);
         let error = problems.iter().find(|it| it.is_error());
         assert!(error.is_some_and(|it| it.code == code && it.labels.len() >= 2), "{code}: {text}: {problems:?}");
+    }
+}
+
+/// Row 20: names of the language may be taken, which is said, and what then does not fit is told with both places.
+#[test]
+fn whoever_hides_what_is_built_in_is_told() {
+    for text in [
+        "let sphere = 1; csg S { start uscale(sphere) box; }",
+        "param pi = 3; csg S { start uscale(pi) box; }",
+        "fn sin(x) = x; csg S { start uscale(sin(1)) box; }",
+        "csg S { start sphere; sphere -> box; }",
+        "material box { gloss: 1 } scene { show paint(box) sphere; }",
+        "csg S(box = 1) { start uscale(box) sphere; }",
+        "csg S { start repeat 2 as move { rotx(move) box }; }",
+    ] {
+        let Compiled { problems, scene, .. } = compiled(text);
+        let codes: Vec<&str> = problems.iter().map(|it| it.code).collect();
+        assert!(codes == ["W0004"] && scene.is_some(), "{codes:?}: {text}");
+    }
+    for (text, code) in [
+        ("enum sphere { a } csg S { start sphere; }", "E0307"),
+        ("csg sphere { start box; } scene { show sphere; }", "E0407"),
+    ] {
+        let Compiled { problems, .. } = compiled(text);
+        let error = problems.iter().find(|it| it.is_error()).unwrap();
+        assert!(error.code == code && error.labels.len() == 2, "{error:?}");
+    }
+}
+
+/// Row 26: what needs itself is told once, whatever it is and however long the way round.
+#[test]
+fn what_cannot_be_found_without_itself_is_told_with_the_whole_circle() {
+    for (text, code, places) in [
+        ("let a = a; csg S { start uscale(a) box; }", "E0310", 1),
+        ("let a = a;", "E0310", 1),
+        ("let a = 1 + a * 2; csg S { start box; }", "E0310", 1),
+        ("param a = a; csg S { start uscale(a) box; }", "E0310", 1),
+        ("param a = 1 in a..2; csg S { start uscale(a) box; }", "E0310", 1),
+        ("csg S { let a = a; start uscale(a) box; }", "E0310", 1),
+        ("let a = b; let b = a; csg S { start uscale(a) box; }", "E0310", 2),
+        ("let a = f(1); fn f(x) = a; csg S { start uscale(a) box; }", "E0310", 2),
+        ("let a = b; let b = c; let c = d; let d = a; csg S { start uscale(d) box; }", "E0310", 4),
+        ("csg S(a = a) { start uscale(a) box; }", "E0309", 2),
+        ("csg S { var v = v; start uscale(v) box; }", "E0308", 2),
+        ("csg S { start { let v = v } box; }", "E0301", 1),
+    ] {
+        let Compiled { problems, .. } = compiled(text);
+        let errors: Vec<_> = problems.iter().filter(|it| it.is_error() && it.code != "E0612").collect();
+        let [error] = errors[..] else { panic!("{text}: {errors:?}") };
+        assert_eq!((error.code, error.labels.len()), (code, places), "{text}");
     }
 }
 
@@ -293,6 +423,39 @@ fn a_file_that_changes_is_one_text_for_all_who_use_it() {
         let is_told = found.problems.iter().any(|it| it.code == "E0201");
         assert!(found.scene.is_some() != is_told, "{seen}: {:?}", found.problems);
     }
+}
+
+/// Files of which it is counted how often they are read.
+#[derive(Default)]
+struct Counted(std::cell::Cell<u32>);
+
+impl Loader for Counted {
+    fn load(&self, _: &str, _: &str) -> Result<Loaded, LoadError> {
+        Err(LoadError::NotFound)
+    }
+
+    fn load_bytes(&self, importer: &str, path: &str, _: u64) -> Result<LoadedBytes, LoadError> {
+        self.0.set(self.0.get() + 1);
+        let name = self.name_of_bytes(importer, path).unwrap();
+        // The second time it is something else, and no mesh.
+        let text = if self.0.get() == 1 { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" } else { "gone" };
+        Ok(LoadedBytes { name, bytes: text.as_bytes().to_vec() })
+    }
+
+    fn name_of_bytes(&self, _: &str, path: &str) -> Option<String> {
+        Some(path.trim_start_matches("./").replace("lib/../", ""))
+    }
+}
+
+/// Row 25: a mesh is read once, by however many spellings of its path.
+#[test]
+fn a_mesh_with_two_spellings_is_read_once() {
+    let files = Counted::default();
+    let text =
+        "csg A { start mesh(\"a.obj\") | move(2, 0, 0) mesh(\"./a.obj\") | move(4, 0, 0) mesh(\"lib/../a.obj\"); }";
+    let found = compile(Loaded { name: "main.tg".into(), text: text.into() }, &files, &Options::default());
+    assert!(found.scene.is_some_and(|it| it.graph.meshes().len() == 1), "{:?}", found.problems);
+    assert_eq!(files.0.get(), 1);
 }
 
 /// Rows 34, 40 to 42, 52 to 55 and 61 to 63.

@@ -53,7 +53,7 @@ fn mend_one(file: FileId, mut edits: Vec<(&Edit, &str)>, sources: &Sources) -> O
     Some(mended)
 }
 
-/// Parts words that an edit would join with the words beside it: `a&&b` becomes `a and b`.
+/// Parts words that an edit would join with the words beside it: `a&&b` becomes `a and b`. A foreign letter was part of its word before.
 pub(crate) fn part_words(problems: &mut [Problem], sources: &Sources) {
     for edit in problems.iter_mut().flat_map(|it| &mut it.suggestions).flat_map(|it| &mut it.edits) {
         let Some(text) = sources.get(edit.span.file).map(|it| it.text.as_str()) else { continue };
@@ -64,10 +64,11 @@ pub(crate) fn part_words(problems: &mut [Problem], sources: &Sources) {
             let is_word = |it: char| it.is_ascii_alphanumeric() || it == '_';
             one.is_some_and(is_word) && other.is_some_and(is_word)
         };
-        if joins(before, edit.text.chars().next()) && start < end {
+        let old = text.get(start as usize..end as usize).unwrap_or_default();
+        if joins(before, edit.text.chars().next()) && start < end && !old.starts_with(char::is_alphanumeric) {
             edit.text.insert(0, ' ');
         }
-        if joins(edit.text.chars().next_back(), after) {
+        if joins(edit.text.chars().next_back(), after) && !old.ends_with(char::is_alphanumeric) {
             edit.text.push(' ');
         }
     }

@@ -18,6 +18,12 @@ pub trait Loader {
     fn load_bytes(&self, _importer: &str, _path: &str, _most: u64) -> Result<LoadedBytes, LoadError> {
         Err(LoadError::NotFound)
     }
+
+    /// What [`Self::load_bytes`] would call that file, if that is known without reading it: what was read by another path is then not
+    /// read again.
+    fn name_of_bytes(&self, _importer: &str, _path: &str) -> Option<String> {
+        None
+    }
 }
 
 /// A file that is no text.

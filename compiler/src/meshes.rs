@@ -65,6 +65,10 @@ impl<'l> Meshes<'l> {
 
     fn read(&mut self, path: &str, span: Span) -> Result<MeshId, Problem> {
         let importer = self.sources.get(span.file).map_or("", |it| it.name.as_str());
+        let name = self.loader.name_of_bytes(importer, path);
+        if let Some(known) = name.and_then(|it| self.known.get(&it)) {
+            return Ok(*known);
+        }
         let loaded = self.loader.load_bytes(importer, path, MAX_BYTES);
         let loaded = loaded.map_err(|why| words::files::data_not_loaded("a mesh's", path, span, &why, MAX_BYTES))?;
         if let Some(known) = self.known.get(&loaded.name) {

@@ -1,4 +1,4 @@
-//! The pictures that textures show: each file is decoded once, whatever names it.
+//! The pictures that textures show: each file is read once, whatever names it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -39,6 +39,10 @@ impl<'l> Pictures<'l> {
     /// What is wrong with it.
     pub(crate) fn find(&mut self, path: &str, span: Span) -> Result<Arc<Raster>, Problem> {
         let importer = self.sources.get(span.file).map_or("", |it| it.name.as_str());
+        let name = self.loader.name_of_bytes(importer, path);
+        if let Some(known) = name.and_then(|it| self.known.get(&it)) {
+            return Ok(Arc::clone(known));
+        }
         let loaded = self.loader.load_bytes(importer, path, MAX_BYTES);
         let loaded = loaded.map_err(|why| words::files::data_not_loaded("a picture's", path, span, &why, MAX_BYTES))?;
         if let Some(known) = self.known.get(&loaded.name) {

@@ -47,10 +47,22 @@ fn tokens(text: &str) -> Vec<(usize, usize)> {
     tokens
 }
 
+/// Of so many changes of a program one is tried; `TREEGEN_MUTANTS=all` tries all of them.
+fn sample(one_of: usize) -> usize {
+    if std::env::var_os("TREEGEN_MUTANTS").is_some() { 1 } else { one_of }
+}
+
 #[test]
 fn a_program_cut_anywhere_is_refused_or_compiled() {
-    for text in programs("examples").iter().chain(&programs("tests/cases/errors")) {
-        for (_, end) in tokens(text).into_iter().step_by(3) {
+    // Small programs at each byte where a character ends, the others here and there.
+    for text in programs("tests/cases/errors") {
+        let ends = text.char_indices().map(|it| it.0);
+        for end in ends.step_by(if text.len() < 300 { 1 } else { sample(7) }) {
+            check(&text[..end]);
+        }
+    }
+    for text in programs("examples") {
+        for end in text.char_indices().map(|it| it.0).step_by(sample(41)) {
             check(&text[..end]);
         }
     }
@@ -60,11 +72,72 @@ fn a_program_cut_anywhere_is_refused_or_compiled() {
 fn a_program_with_a_token_dropped_doubled_or_exchanged_is_refused_or_compiled() {
     for text in programs("examples") {
         let tokens = tokens(&text);
-        for (number, (start, end)) in tokens.iter().copied().enumerate() {
+        for (number, (start, end)) in tokens.iter().copied().enumerate().step_by(sample(3)) {
             check(&format!("{}{}", &text[..start], &text[end..]));
             check(&format!("{}{} {}", &text[..end], &text[start..end], &text[end..]));
             let (from, to) = tokens[(number * 7 + 3) % tokens.len()];
             check(&format!("{} {} {}", &text[..start], &text[from..to], &text[end..]));
+        }
+    }
+}
+
+#[test]
+fn a_program_with_a_line_dropped_doubled_or_swapped_is_refused_or_compiled() {
+    for text in programs("examples") {
+        let lines: Vec<&str> = text.split_inclusive('\n').collect();
+        for number in (0..lines.len()).step_by(sample(2)) {
+            let mut changed = lines.clone();
+            changed.remove(number);
+            check(&changed.concat());
+            changed.insert(number, lines[number]);
+            changed.insert(number, lines[number]);
+            check(&changed.concat());
+            changed.remove(number);
+            if number + 1 < lines.len() {
+                changed.swap(number, number + 1);
+                check(&changed.concat());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_program_with_any_bit_flipped_is_refused_or_compiled() {
+    for text in programs("examples") {
+        let bits = (0..text.len() * 7).map(|it| (it / 7, it % 7)).filter(|it| text.as_bytes()[it.0].is_ascii());
+        for (at, bit) in bits.step_by(sample(97)) {
+            let mut bytes = text.as_bytes().to_vec();
+            bytes[at] ^= 1 << bit;
+            check(std::str::from_utf8(&bytes).unwrap());
+        }
+    }
+}
+
+#[test]
+fn a_program_with_a_nasty_number_for_a_number_is_refused_or_compiled() {
+    const NASTY: [&str; 12] = [
+        "0",
+        "-1",
+        ".5",
+        "1e-300",
+        "1e300",
+        "-1e300",
+        "1e150",
+        "4294967296",
+        "9007199254740993",
+        "inf",
+        "0/0",
+        "1e400",
+    ];
+    let mut next = 0;
+    for text in programs("examples") {
+        let is_number = |it: &(usize, usize)| text[it.0..].starts_with(|it: char| it.is_ascii_digit());
+        for (start, end) in tokens(&text).into_iter().filter(is_number) {
+            // One after another, or each of them.
+            for _ in (0..NASTY.len()).step_by(sample(NASTY.len())) {
+                next += 1;
+                check(&format!("{}{}{}", &text[..start], NASTY[next % NASTY.len()], &text[end..]));
+            }
         }
     }
 }

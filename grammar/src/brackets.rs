@@ -199,7 +199,7 @@ impl<'a> Repair<'a, '_> {
             self.unclosed();
             self.close_down_to(0);
         }
-        let begins_record = self.out.last().is_some_and(|it| it.token.is_name());
+        let begins_record = self.pending == 0 && self.out.last().is_some_and(|it| it.token.is_name());
         if self.kind == Some(Token::Scene) && self.surplus == Surplus::Opening && self.open.len() > 1 && begins_record {
             // A record stands in the scene itself, so the one before ends here.
             let name = self.out.pop();

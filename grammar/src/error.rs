@@ -1,6 +1,6 @@
 //! What can be wrong with a text: facts, without words.
 
-use crate::Span;
+use crate::{Span, Twin};
 
 /// A mistake in a source text.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,11 @@ pub enum SyntaxErrorKind {
         /// How long it is.
         bytes: usize,
     },
+    /// Laid out by the formatter, the text would be longer than [`MAX_SOURCE_BYTES`](crate::MAX_SOURCE_BYTES).
+    FormattedTooLong {
+        /// How long it would be.
+        bytes: usize,
+    },
     /// The text is full of zero bytes: it is UTF-16 or UTF-32. Nothing of it was read.
     WideCharacters,
     /// A name is longer than [`MAX_NAME_BYTES`](crate::MAX_NAME_BYTES); the tree has only its beginning.
@@ -33,8 +38,8 @@ pub enum SyntaxErrorKind {
     BadCharacter {
         /// The character.
         found: char,
-        /// The text in ASCII that was probably meant.
-        twin: Option<&'static str>,
+        /// What was probably meant by it, or by all at the place.
+        twin: Option<Twin>,
     },
     /// An operator of another language.
     ForeignOperator {

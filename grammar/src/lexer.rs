@@ -8,7 +8,7 @@ use logos::Logos;
 use crate::ast::Comment;
 use crate::error::{NumberProblem, SyntaxError, SyntaxErrorKind};
 use crate::token::Token;
-use crate::{FileId, MAX_ERRORS, MAX_NAME_BYTES, MAX_TEXT_BYTES, Span, foreign, text};
+use crate::{FileId, MAX_ERRORS, MAX_NAME_BYTES, MAX_TEXT_BYTES, Span, Twin, foreign, text};
 
 /// A token with its place.
 #[derive(Clone, Copy, Debug)]
@@ -184,8 +184,7 @@ impl<'a> Reader<'a> {
             let is_control = found.is_control() && !matches!(found, '\t' | '\n') && !ends_line;
             if is_control || foreign::is_hidden(found) {
                 let at = start + at;
-                let kind = SyntaxErrorKind::BadCharacter { found, twin: None };
-                return self.error(at, at + found.len_utf8(), kind);
+                return self.foreign(at, at + found.len_utf8(), found, None);
             }
         }
     }
@@ -228,18 +227,44 @@ impl<'a> Reader<'a> {
         if let Some((at, mark)) = closing_quote(found, self.logos.remainder()) {
             return self.foreign_quotes(found, start, at, mark);
         }
-        let twin = foreign::twin(found);
-        self.error(start, start + found.len_utf8(), SyntaxErrorKind::BadCharacter { found, twin });
-        match twin {
-            _ if self.splits_word(start, found) => self.foreign_word(start),
-            _ if foreign::is_blank(found) => self.skip(foreign::is_blank),
-            _ if found.is_alphabetic() => self.foreign_word(start),
-            Some(twin) if twin != "\"" => self.push_twin(twin, start, start + found.len_utf8()),
+        let end = start + found.len_utf8();
+        let rest = self.text.get(start..).unwrap_or_default();
+        if self.splits_word(start, found) {
+            self.foreign(start, end, found, None);
+            return self.skip_word(start);
+        }
+        if foreign::is_blank(found) {
+            self.foreign(start, end, found, None);
+            return self.skip(foreign::is_blank);
+        }
+        let (number, length) = foreign::number(rest);
+        if !number.is_empty() && !self.touches_word(start) {
+            return self.foreign_number(start, length, number);
+        }
+        if foreign::raised(found).is_some() {
+            return self.foreign_exponent(start);
+        }
+        let sign = foreign::sign(found);
+        let is_in_word = self.touches_word(start);
+        let is_sign = sign.is_some() && !is_in_word && !rest.chars().nth(1).is_some_and(char::is_alphabetic);
+        let goes_on = is_in_word && (foreign::is_mark(found) || foreign::digit(found).is_some());
+        if goes_on || found.is_alphabetic() && !is_sign {
+            return self.foreign_word(start);
+        }
+        let twin = sign.map(|it| Twin { text: it.to_owned(), is_sure: it != "\"" });
+        self.foreign(start, end, found, twin);
+        match sign {
+            Some(sign) if sign != "\"" => self.push_twin(sign, start, end),
+            // Quotes come in pairs.
             _ => {
-                self.skip(|it| it == found || !it.is_ascii() && !it.is_alphanumeric() && foreign::twin(it).is_none());
+                self.skip(|it| it == found || !it.is_ascii() && !it.is_alphanumeric() && foreign::sign(it).is_none());
                 self.push(Token::Bad, start, self.place().1);
             }
         }
+    }
+
+    fn foreign(&mut self, start: usize, end: usize, found: char, twin: Option<Twin>) {
+        self.error(start, end, SyntaxErrorKind::BadCharacter { found, twin });
     }
 
     /// Leaves out what follows as long as it is of one kind.
@@ -253,23 +278,82 @@ impl<'a> Reader<'a> {
     fn splits_word(&self, start: usize, found: char) -> bool {
         let shows_nothing = foreign::is_hidden(found) || found.is_control();
         let goes_on = |it: char| it.is_ascii_alphanumeric() || it == '_';
-        let before = self.found.tokens.last().filter(|it| it.end as usize == start);
-        shows_nothing
-            && before.is_some_and(|it| is_word(self.slice(it.start as usize, start)))
-            && self.logos.remainder().starts_with(goes_on)
+        shows_nothing && self.touches_word(start) && self.logos.remainder().starts_with(goes_on)
     }
 
-    /// A word with a foreign letter (or something unseen) in it is a name, together with the letters before and after.
+    /// The token that ends at `start`.
+    fn before(&self, start: usize) -> Option<Placed<'a>> {
+        self.found.tokens.last().copied().filter(|it| it.end as usize == start)
+    }
+
+    /// Whether a name or a reserved word ends at `start`.
+    fn touches_word(&self, start: usize) -> bool {
+        self.before(start).is_some_and(|it| is_word(self.slice(it.start as usize, start)))
+    }
+
+    /// A number with foreign digits in it, or after it.
+    fn foreign_number(&mut self, start: usize, length: usize, number: String) {
+        let Some(found) = self.slice(start, start + length).chars().next() else { return };
+        let end = start + length;
+        self.logos.bump(length - found.len_utf8());
+        let head = self.before(start).filter(|it| matches!(it.token, Token::Number(_)));
+        let head_digits = head.map_or("", |it| self.slice(it.start as usize, start));
+        let value = format!("{head_digits}{number}").parse().ok().filter(|it: &f64| it.is_finite());
+        let value = Token::Number(value.unwrap_or(f64::MAX));
+        let twin = (length <= MAX_NAME_BYTES).then(|| Twin::sure(number));
+        self.foreign(start, end, found, twin);
+        match self.found.tokens.last_mut() {
+            Some(last) if head.is_some() => {
+                (last.token, last.end) = (value, end as u32);
+                self.seen = end;
+            }
+            _ => self.push(value, start, end),
+        }
+    }
+
+    /// Raised digits, which are an exponent.
+    fn foreign_exponent(&mut self, start: usize) {
+        let rest = self.text.get(start..).unwrap_or_default();
+        let length = rest.find(|it| foreign::raised(it).is_none()).unwrap_or(rest.len());
+        let raised = self.slice(start, start + length);
+        let Some(found) = raised.chars().next() else { return };
+        let exponent: String = raised.chars().filter_map(foreign::raised).collect();
+        let value = exponent.parse::<f64>().ok().filter(|_| length <= MAX_NAME_BYTES);
+        let twin = value.map(|_| Twin::sure(format!("^{exponent}")));
+        let end = start + length;
+        self.logos.bump(length - found.len_utf8());
+        self.foreign(start, end, found, twin);
+        self.push(Token::Caret, start, end);
+        if exponent.starts_with('-') {
+            self.push(Token::Minus, start, end);
+        }
+        self.push(Token::Number(value.map_or(1.0, f64::abs)), start, end);
+    }
+
+    /// A word with a foreign letter in it is a name, together with the letters before and after.
     fn foreign_word(&mut self, start: usize) {
-        self.skip(|it| it.is_alphanumeric() || it == '_');
+        let Some(found) = self.text.get(start..).and_then(|it| it.chars().next()) else { return };
+        self.skip_word(start);
+        let word = self.slice(start, self.place().1);
+        let twin = foreign::word(word);
+        // What is foreign of it, from the first to the last such letter.
+        let tail = word.len() - word.trim_end_matches(|it: char| it.is_ascii()).len();
+        let length = if twin.is_some() { word.len() - tail } else { found.len_utf8() };
+        let twin = twin.map(|it| Twin { text: it.text[..it.text.len() - tail].to_owned(), ..it });
+        self.foreign(start, start + length, found, twin);
+    }
+
+    /// Takes what is left of a word for a name, together with the letters before.
+    fn skip_word(&mut self, start: usize) {
+        let goes_on = |it: char| it.is_alphanumeric() || it == '_' || foreign::is_mark(it);
+        self.skip(|it| goes_on(it) && foreign::raised(it).is_none());
         let end = self.place().1;
-        let head = self.found.tokens.last().copied().filter(|it| it.end as usize == start);
-        let head = head.map(|it| it.start as usize).filter(|&at| is_word(self.slice(at, start)));
+        let head = self.before(start).map(|it| it.start as usize).filter(|_| self.touches_word(start));
         match head {
             Some(at) => {
+                let name = Token::Name(self.slice(at, end));
                 if let Some(last) = self.found.tokens.last_mut() {
-                    last.token = Token::Name(self.text.get(at..end).unwrap_or_default());
-                    last.end = end as u32;
+                    (last.token, last.end) = (name, end as u32);
                 }
                 self.seen = end;
             }
@@ -281,8 +365,8 @@ impl<'a> Reader<'a> {
     fn foreign_quotes(&mut self, found: char, start: usize, at: usize, mark: usize) {
         let first = start + found.len_utf8();
         self.logos.bump(at + mark);
-        let twin = Some("\"");
-        self.error(start, first, SyntaxErrorKind::BadCharacter { found, twin });
+        let twin = Twin { text: "\"".to_owned(), is_sure: false };
+        self.foreign(start, first, found, Some(twin));
         self.push(Token::Text(self.slice(first, first + at)), start, first + at + mark);
     }
 }

@@ -23,7 +23,7 @@ mod unread;
 mod verdict;
 
 pub use error::{NumberProblem, SyntaxError, SyntaxErrorKind};
-pub use foreign::is_hidden;
+pub use foreign::{Twin, is_hidden};
 pub use format::format;
 pub use parse::{Parsed, parse};
 pub use span::{FileId, Span};

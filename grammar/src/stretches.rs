@@ -31,25 +31,28 @@ impl Stretches {
     }
 }
 
-/// Which pair of brackets each place is in: for the text after each bracket, where the innermost pair around it ends.
-pub(crate) struct Groups(Vec<(u32, u32)>);
+/// Which pair of brackets each place is in: for the text after each bracket, the number of the token that opens the innermost pair around
+/// it. Where that pair ends would not do: brackets that were put in may all stand at one place, and of those that are too deep there
+/// are none.
+pub(crate) struct Groups(Vec<(u32, usize)>);
+
+/// What is in no pair.
+const OUTSIDE: usize = usize::MAX;
 
 impl Groups {
     pub(crate) fn of(statements: &Statements<'_>) -> Self {
-        let mut ends = Vec::new();
+        let mut open = Vec::new();
         let mut groups = Vec::new();
-        for &(_, token, end) in statements.tokens.iter().rev() {
-            let opens = token == Token::OpenBlock || token.closer().is_some();
-            if opens || token.is_closer() {
-                groups.push((end, ends.last().copied().unwrap_or(u32::MAX)));
-            }
-            if opens {
-                ends.pop();
+        for (number, &(_, token, end)) in statements.tokens.iter().enumerate() {
+            if token == Token::OpenBlock || token.closer().is_some() {
+                open.push(number);
             } else if token.is_closer() {
-                ends.push(end);
+                open.pop();
+            } else {
+                continue;
             }
+            groups.push((end, open.last().copied().unwrap_or(OUTSIDE)));
         }
-        groups.reverse();
         Self(groups)
     }
 
@@ -58,8 +61,8 @@ impl Groups {
         self.at(a) == self.at(b)
     }
 
-    fn at(&self, offset: u32) -> u32 {
+    fn at(&self, offset: u32) -> usize {
         let at = self.0.partition_point(|it| it.0 <= offset);
-        at.checked_sub(1).and_then(|at| self.0.get(at)).map_or(u32::MAX, |it| it.1)
+        at.checked_sub(1).and_then(|at| self.0.get(at)).map_or(OUTSIDE, |it| it.1)
     }
 }

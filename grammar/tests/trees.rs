@@ -162,7 +162,24 @@ fn parentheses_hold_a_value_or_a_vector() {
 #[test]
 fn numbers_are_read_to_the_nearest_float() {
     assert_eq!(value("[12, .5, 1e-3, 1.25E+2, 1e-400]"), "[12, 0.5, 0.001, 125, 0]");
-    assert_eq!(value("9007199254740993"), "9007199254740992");
+    // Beyond 2^53 every second number is one: a tie goes to the even one, and anything beyond a tie goes up.
+    assert_eq!(value("[9007199254740991, 9007199254740992]"), "[9007199254740991, 9007199254740992]");
+    assert_eq!(value("[9007199254740993, 9007199254740994]"), "[9007199254740992, 9007199254740994]");
+    assert_eq!(value("[9007199254740993.0000000001, 9007199254740995]"), "[9007199254740994, 9007199254740996]");
+    let zeros = "0".repeat(12_000);
+    assert_eq!(value(&format!("9007199254740993.{zeros}1")), "9007199254740994");
+    assert_eq!(value(&format!("0.{zeros}1e12001")), "1");
+    assert_eq!(value(&format!(".5{zeros}")), "0.5");
+    // The smallest number, half of it, and a little more than half.
+    let bits = |text: &str| value(text).parse().map(f64::to_bits);
+    assert_eq!(bits("5e-324"), Ok(1));
+    assert_eq!(bits("2.4703282292062327e-324"), Ok(0));
+    assert_eq!(bits("2.4703282292062328e-324"), Ok(1));
+    // The largest one, and what is still nearer to it than to the next, which is none.
+    assert_eq!(bits("1.7976931348623157e308"), Ok(f64::MAX.to_bits()));
+    assert_eq!(bits("1.7976931348623158079e308"), Ok(f64::MAX.to_bits()));
+    assert!(errors_of("let it = 1.7976931348623158080e308;").contains("TooLarge"));
+    assert_eq!(value("[0e400, 00012, 1e0000000000000000003]"), "[0, 12, 1000]");
 }
 
 #[test]

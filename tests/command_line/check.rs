@@ -94,3 +94,76 @@ fn an_error_tells_where_there_is_more() {
     assert!(said.ends_with("`treegen explain E0301` tells more\n"), "{said}");
     assert!(!folder.run(&["check", "-q", "a.tg"]).ended(1).said.contains("explain"));
 }
+
+/// What lies in a file before and after `--fix`.
+fn mends(before: &str, after: &str) {
+    let folder = Folder::with(&[("a.tg", before)]);
+    let said = folder.run(&["check", "--fix", "a.tg"]).said;
+    assert_eq!(String::from_utf8(folder.read("a.tg")).unwrap(), after, "{said}");
+    assert_eq!(folder.names(), ["a.tg"]);
+}
+
+#[test]
+fn line_ends_and_a_byte_order_mark_stay_as_they_are() {
+    mends("csg A {\r\n  start sphere\r\n}\r\n", "csg A {\r\n  start sphere;\r\n}\r\n");
+    mends("\u{feff}csg A { start sphere }", "\u{feff}csg A { start sphere; }");
+    mends("\u{feff}csg A {\r\n\tstart uscale(2 × 3) sphere }", "\u{feff}csg A {\r\n\tstart uscale(2 * 3) sphere; }");
+}
+
+#[test]
+fn words_of_foreign_letters_are_mended_whole() {
+    let before = "let ѕizе = ١٢٫٥ − 2³; csg A { start uscale(ѕizе) ｓｐｈｅｒｅ; }\n";
+    mends(before, "let size = 12.5 - 2^3; csg A { start uscale(size) sphere; }\n");
+    // Letters that only have something in common with those of ASCII are left to people.
+    for word in ["größe", "naïve", "сосна"] {
+        let text = format!("let {word} = 1;\n");
+        mends(&text, &text);
+    }
+}
+
+#[test]
+fn a_used_file_in_another_folder_is_mended_where_it_lies() {
+    let main = "use \"lib/leaf.tg\"; use \"lib/../lib/leaf.tg\" as again; scene { show leaf.Leaf() | again.Leaf() }\n";
+    let files = [("deep/main.tg", main), ("deep/lib/leaf.tg", LEAF), ("leaf.tg", LEAF)];
+    let folder = Folder::with(&files);
+    folder.run(&["check", "--fix", "deep/main.tg"]).ended(0).saying(&["deep/main.tg:1:", "deep/lib/leaf.tg:1:33"]);
+    assert_eq!(folder.read("deep/main.tg"), main.replace("() }", "(); }").as_bytes());
+    assert_eq!(folder.read("deep/lib/leaf.tg"), LEAF.replace(" }", "; }").as_bytes());
+    assert_eq!(folder.read("leaf.tg"), LEAF.as_bytes());
+}
+
+#[cfg(unix)]
+#[test]
+fn when_one_file_may_not_be_written_none_is() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::with(&[("tree.tg", WRONG), ("leaf.tg", LEAF)]);
+    for (name, mode) in [("", 0o777), ("tree.tg", 0o666), ("leaf.tg", 0o444)] {
+        folder.allow(name, mode);
+    }
+    let is_closed = std::fs::OpenOptions::new().append(true).open(folder.path("leaf.tg")).is_err();
+    let arguments = ["check", "--fix", "tree.tg"];
+    let ran = if is_closed { Some(folder.run(&arguments)) } else { folder.run_as_stranger(&arguments) };
+    if let Some(ran) = ran {
+        let said = ran.ended(4).saying(&["cannot write", "leaf.tg"]).said;
+        assert!(!said.contains("add `;`"), "{said}");
+        assert_eq!((folder.read("tree.tg"), folder.read("leaf.tg")), (WRONG.into(), LEAF.into()));
+        assert_eq!(folder.names(), ["leaf.tg", "tree.tg"]);
+    }
+    // A link goes on leading to its file, and the file keeps its mode.
+    folder.allow("leaf.tg", 0o640);
+    symlink("tree.tg", folder.path("link.tg")).unwrap();
+    folder.run(&["check", "--fix", "link.tg"]).ended(1);
+    assert!(std::fs::symlink_metadata(folder.path("link.tg")).unwrap().is_symlink());
+    assert_ne!(folder.read("tree.tg"), WRONG.as_bytes());
+    let mode = std::fs::metadata(folder.path("leaf.tg")).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o640);
+}
+
+#[test]
+fn a_file_that_would_grow_beyond_the_limit_is_left_to_people() {
+    let text = "csg A { start sphere }\n".to_owned();
+    let text = format!("{}{text}", " ".repeat((4 << 20) - text.len()));
+    let folder = Folder::with(&[("a.tg", &text)]);
+    folder.run(&["check", "--fix", "a.tg"]).ended(1).saying(&["add `;`"]);
+    assert!(folder.read("a.tg") == text.as_bytes());
+}

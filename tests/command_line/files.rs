@@ -119,6 +119,84 @@ fn a_name_is_shown_with_what_could_harm_a_terminal_escaped() {
     assert!(!said.contains('\u{1b}'), "{said:?}");
 }
 
+/// Names that make trouble in other programs, as bytes.
+#[cfg(target_os = "linux")]
+const ODD_NAMES: [&[u8]; 9] = [
+    b"a\xff\xfe.tg",
+    b"\xc3.tg",
+    b"a\n.tg",
+    b"\x1b[2J.tg",
+    b" .tg",
+    b"a b;rm -rf $HOME|`id`.tg",
+    "a\u{202e}gt.tg".as_bytes(),
+    b"%s%n.tg",
+    b".tg",
+];
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_program_of_any_name_is_read_and_its_picture_called_like_it() {
+    use std::os::unix::ffi::OsStrExt;
+    for name in ODD_NAMES {
+        let folder = Folder::with(&[("lib/ball.tg", "csg Ball { start sphere; }")]);
+        let name = std::path::Path::new(std::ffi::OsStr::from_bytes(name));
+        let text = "use \"lib/ball.tg\"; scene { image { size: (8, 8) } show ball.Ball(); }";
+        std::fs::write(folder.path("x").with_file_name(name), text).unwrap();
+        let run = |arguments: &[&str]| {
+            let output = folder.command(arguments).arg(name).output().unwrap();
+            let said = String::from_utf8(output.stderr).unwrap();
+            let is_safe = |it: char| it == '\n' || !it.is_control() && it != '\u{202e}';
+            assert!(said.chars().all(is_safe) && said.lines().count() < 10, "{said:?}");
+            (output.status.code(), said)
+        };
+        let (code, said) = run(&[]);
+        assert_eq!(code, Some(0), "{said}");
+        let picture = folder.path("x").with_file_name(name).with_extension("png");
+        assert!(picture.is_file(), "{picture:?}");
+        for arguments in [&["check"][..], &["check", "--fix"], &["fmt"], &["measure"], &["inspect", "--expand"]] {
+            assert_eq!(run(arguments).0, Some(0), "{arguments:?}");
+        }
+        // Mistakes are told with the name, for people and for programs.
+        std::fs::write(folder.path("x").with_file_name(name), "scene { show sphre; }").unwrap();
+        assert_eq!(run(&["check"]).0, Some(1));
+        let (code, said) = run(&["check", "--message-format", "json"]);
+        assert_eq!(code, Some(1));
+        assert!(said.lines().all(|it| serde_json::from_str::<serde_json::Value>(it).is_ok()), "{said}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_that_cannot_be_opened_is_told_by_its_name() {
+    use std::os::unix::fs::symlink;
+    let folder = Folder::with(&[("-a.tg", SPHERE), ("closed.tg", SPHERE), ("folder.tg/x", "")]);
+    symlink("loop.tg", folder.path("loop.tg")).unwrap();
+    symlink("two.tg", folder.path("one.tg")).unwrap();
+    symlink("one.tg", folder.path("two.tg")).unwrap();
+    symlink("nowhere.tg", folder.path("dangling.tg")).unwrap();
+    let long = "x".repeat(300) + ".tg";
+    let deep = "x/".repeat(5_000) + "a.tg";
+    for name in ["loop.tg", "one.tg", "dangling.tg", "folder.tg", "", ".", "closed.tg/a.tg", &long, &deep, "~/a.tg"] {
+        for arguments in [&[name][..], &["check", name], &["fmt", name], &["measure", name]] {
+            let code = folder.run(arguments).code;
+            // clap takes no empty name.
+            assert!(code == Some(4) || name.is_empty() && code == Some(2), "{code:?}: {arguments:?}");
+        }
+    }
+    // What begins like an option is one, and says how to mean a file.
+    folder.run(&["-a.tg"]).ended(2).saying(&["use '-- -a'"]);
+    folder.run(&["check", "-a.tg"]).ended(2).saying(&["use '-- -a'"]);
+    folder.run(&["--size", "8x8", "--", "-a.tg"]).ended(0);
+    folder.run(&["check", "--", "-a.tg"]).ended(0);
+    folder.run(&["fmt", "./-a.tg"]).ended(0);
+    assert!(folder.exists("-a.png"));
+    folder.allow("", 0o755);
+    folder.allow("closed.tg", 0o000);
+    if let Some(ran) = folder.run_as_stranger(&["check", "closed.tg"]) {
+        ran.ended(4).saying(&["cannot read `closed.tg`"]);
+    }
+}
+
 #[test]
 fn what_is_no_text_is_told_with_its_place_and_what_it_looks_like() {
     let folder = Folder::with(&[]);
@@ -172,9 +250,18 @@ fn bytes_that_are_no_text_are_told_by_their_place_wherever_they_stand() {
             folder.run(&["check", "a.tg"]).ended(1).saying(&["a.tg", &format!("byte {}", before.len())]);
         }
     }
-    for at in [4095, 4096, 8191, 8192, 1_000_000] {
+    for at in [4095, 4096, 8191, 8192, 1_000_000, (4 << 20) - 3] {
         folder.write("a.tg", &[" ".repeat(at).as_bytes(), b"\xe2\x82", b" "].concat());
         folder.run(&["check", "a.tg"]).ended(1).saying(&[&format!("byte {at}")]);
+    }
+    // At the end of ten megabytes nobody looks for it.
+    folder.write("a.tg", &[" ".repeat(10 << 20).as_bytes(), b"\xe2"].concat());
+    folder.run(&["check", "a.tg"]).ended(3).saying(&["4 MiB"]);
+    // The rule is the same for a file that is used.
+    folder.write("a.tg", b"use \"used.tg\"; scene { show sphere; }");
+    for bytes in NO_TEXT {
+        folder.write("used.tg", &[b"csg A { start ", bytes, b"sphere; }"].concat());
+        folder.run(&["check", "a.tg"]).ended(1).saying(&["E0203", "a.tg:1:5", "byte 14"]);
     }
 }
 
@@ -183,17 +270,35 @@ fn what_is_no_program_at_all_is_told_in_one_message() {
     let folder = Folder::with(&[]);
     let noise: Vec<u8> = (0..4000_u32).map(|it| (it.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     let ebcdic = [0xc3, 0xe2, 0xc7, 0x40, 0xc1, 0x40, 0xc0, 0x40, 0xd0];
-    let files: [&[u8]; 6] = [
-        b"\xff\xfe\0\0c\0\0\0",
-        b"\0\0\xfe\xff\0\0\0c",
-        b"\xfe\xff\0c",
-        b"\x7fELF\x02\x01\x01\x00\x80",
-        &ebcdic,
-        &noise,
+    let files: [(&[u8], &str); 9] = [
+        (b"\xff\xfe\0\0c\0\0\0", "UTF-32"),
+        (b"\0\0\xfe\xff\0\0\0c", "UTF-32"),
+        (b"\xff\xfec\0s\0", "UTF-16"),
+        (b"\xfe\xff\0c", "UTF-16"),
+        // Without a mark, by their zero bytes.
+        (b"c\0s\0g\0 \0A\0 \0{\0}\0", "UTF-16 or UTF-32"),
+        (b"\0\0\0c\0\0\0s\0\0\0g\0\0\0 \0\0\0A", "UTF-16 or UTF-32"),
+        (b"\x7fELF\x02\x01\x01\x00\x80", "a program for a processor"),
+        (&ebcdic, "UTF-8"),
+        (&noise, "UTF-8"),
     ];
-    for bytes in files {
+    for (bytes, kind) in files {
         folder.write("a.tg", bytes);
-        let said = folder.run(&["check", "a.tg"]).ended(1).said;
+        let said = folder.run(&["check", "a.tg"]).ended(1).saying(&[kind]).said;
         assert_eq!(said.matches("error").count(), 1, "{said}");
     }
+}
+
+#[test]
+fn a_program_with_nothing_in_it_shows_nothing() {
+    let folder = Folder::with(&[]);
+    for text in ["", " ", "\n\n\n", "\t\r\n", "\u{feff}", "\u{feff}\r\n", "// only\n/* comments */", "//"] {
+        folder.write("a.tg", text.as_bytes());
+        for arguments in [&["a.tg"][..], &["check", "a.tg"], &["measure", "a.tg"], &["inspect", "a.tg", "--expand"]] {
+            let said = folder.run(arguments).ended(1).saying(&["E0612"]).said;
+            assert_eq!(said.matches("error").count(), 1, "{text:?}: {said}");
+        }
+        folder.run_with_input(&["-"], text.as_bytes()).ended(1).saying(&["E0612"]);
+    }
+    assert_eq!(folder.names(), ["a.tg"]);
 }

@@ -62,3 +62,21 @@ fn a_file_keeps_its_mode_and_a_link_its_target() {
     assert_eq!(folder.read("a.tg"), SET.as_bytes());
     assert_eq!(std::fs::metadata(folder.path("a.tg")).unwrap().permissions().mode() & 0o777, 0o640);
 }
+
+#[test]
+fn a_file_that_would_grow_beyond_the_limit_is_told_and_left_as_it_is() {
+    // Each line is a tenth of what it is with the blanks that its depth calls for.
+    let (open, close) = ("repeat 1 {\n".repeat(200), "}\n".repeat(200));
+    let deep = format!("csg A {{ start\n{open}{}{close}; }}\n", "| sphere\n".repeat(12_000).replacen("| ", "", 1));
+    assert!(deep.len() < 1 << 20);
+    let folder = Folder::with(&[("deep.tg", &deep), ("a.tg", UGLY)]);
+    let said = folder.run(&["fmt", "deep.tg", "a.tg"]).ended(3).said;
+    for part in ["E0901", "deep.tg", "formatted, the text would be too long", "left as it is", "a.tg: formatted"] {
+        assert!(said.contains(part), "{part}: {said:.600}");
+    }
+    assert_eq!(folder.read("deep.tg"), deep.as_bytes());
+    folder.run(&["fmt", "--check", "deep.tg"]).ended(3);
+    assert!(folder.run_with_input(&["fmt", "-"], deep.as_bytes()).ended(3).out.is_empty());
+    // It is a program all the same.
+    folder.run(&["check", "deep.tg"]).ended(0);
+}

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod check;
+mod commands;
 mod exit_codes;
 mod explain;
 mod files;

@@ -174,20 +174,45 @@ fn a_disk_that_fills_up_on_the_way_leaves_the_old_picture_and_nothing_else() {
 #[cfg(unix)]
 #[test]
 fn what_may_not_be_written_to_is_left_alone() {
-    use std::os::unix::fs::PermissionsExt;
-    let folder = Folder::with(&[("a.tg", SPHERE), ("closed/a.png", "old"), ("file.png", "old")]);
-    let set = |name: &str, mode| std::fs::set_permissions(folder.path(name), PermissionsExt::from_mode(mode)).unwrap();
-    set("closed", 0o555);
-    set("file.png", 0o444);
-    // The superuser may write everywhere.
-    if std::fs::write(folder.path("closed/probe"), "").is_err() {
-        folder.run(&["a.tg", "-o", "closed/a.png"]).ended(4).saying(&["cannot write `closed/a.png`"]);
-        folder.run(&["a.tg", "-o", "closed/new.png"]).ended(4);
-        folder.run(&["a.tg", "-o", "file.png"]).ended(4);
-        assert_eq!(folder.read("closed/a.png"), b"old");
-        assert_eq!(folder.read("file.png"), b"old");
+    let folder = Folder::with(&[("a.tg", SPHERE), ("closed/a.png", "old"), ("open/file.png", "old")]);
+    for (name, mode) in [("", 0o755), ("closed", 0o555), ("open", 0o777), ("open/file.png", 0o444)] {
+        folder.allow(name, mode);
     }
-    set("closed", 0o755);
+    // Whoever is not the superuser is a stranger himself.
+    let is_closed = std::fs::write(folder.path("closed/probe"), "").is_err();
+    for target in ["closed/a.png", "closed/new.png", "open/file.png"] {
+        let arguments = ["a.tg", "-o", target];
+        let ran = if is_closed { Some(folder.run(&arguments)) } else { folder.run_as_stranger(&arguments) };
+        if let Some(ran) = ran {
+            ran.ended(4).saying(&[&format!("cannot write `{target}`")]);
+        }
+    }
+    assert_eq!(folder.read("closed/a.png"), b"old");
+    assert_eq!(folder.read("open/file.png"), b"old");
+    folder.allow("closed", 0o755);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_is_removed_meanwhile_is_told() {
+    use std::io::Write;
+    let folder = Folder::with(&[("out/x", "")]);
+    // The run has looked at the folder long before it has a program to read.
+    let mut command = folder.command(&["-", "-o", "out/a.png"]);
+    let pipes = || std::process::Stdio::piped();
+    let mut child = command.stdin(pipes()).stdout(pipes()).stderr(pipes()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    std::fs::remove_dir_all(folder.path("out")).unwrap();
+    child.stdin.take().unwrap().write_all(SPHERE.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    assert!(said.contains("cannot write `out/a.png`") && !said.contains("panicked"), "{said}");
+    assert!(folder.names().is_empty());
+    // Nor is there anything to hold on to when the current folder itself is gone.
+    let gone = "mkdir gone; cd gone; rmdir ../gone; printf 'scene { show sphere; }' | $treegen - --size 8x8 -o";
+    folder.shell(&format!("{gone} a.png")).ended(4);
+    folder.shell(&format!("{gone} -")).ended(4).saying(&["cannot read `.`"]);
 }
 
 #[cfg(unix)]

@@ -73,17 +73,35 @@ fn a_crop_has_the_bytes_of_the_whole_picture_there() {
 
 #[test]
 fn surroundings_change_nothing() {
-    let folder = Folder::with(&[("a.tg", FRACTAL), ("other/renamed.tg", FRACTAL)]);
+    let folder = Folder::with(&[("a.tg", FRACTAL), ("other/renamed.tg", FRACTAL), ("home/x", "")]);
     let first = folder.run(&["a.tg", "-o", "-"]).ended(0).out;
     assert!(folder.run(&["other/renamed.tg", "-o", "-"]).ended(0).out == first);
-    let mut command = folder.command(&["a.tg", "-o", "-"]);
-    command
-        .env_clear()
-        .env("LANG", "tr_TR.UTF-8")
-        .env("LC_ALL", "tr_TR.UTF-8")
-        .env("TZ", "Pacific/Apia")
-        .env("RAYON_NUM_THREADS", "3");
-    assert!(command.output().unwrap().stdout == first);
+    let home = folder.path("home").into_os_string().into_string().unwrap();
+    #[cfg(unix)]
+    folder.allow("home", 0o555);
+    let surroundings: &[&[(&str, &str)]] = &[
+        // Nothing at all: no home, no path, no language.
+        &[],
+        &[("LANG", "C"), ("LC_ALL", "C")],
+        &[("LANG", "tr_TR.UTF-8"), ("LC_ALL", "tr_TR.UTF-8"), ("TZ", "Pacific/Apia"), ("RAYON_NUM_THREADS", "3")],
+        &[("LC_NUMERIC", "de_DE.UTF-8"), ("LC_CTYPE", "ja_JP.SJIS"), ("TZ", ":no/such/zone")],
+        &[("HOME", &home), ("XDG_CONFIG_HOME", &home), ("XDG_CACHE_HOME", &home)],
+        &[("HOME", "/nowhere"), ("TMPDIR", "/nowhere"), ("PATH", "")],
+    ];
+    let program = folder.path("a.tg").into_os_string().into_string().unwrap();
+    for variables in surroundings {
+        for here in [folder.path(""), folder.path("other"), std::env::temp_dir()] {
+            let mut command = folder.command(&[&program, "-o", "-"]);
+            let output = command.env_clear().envs(variables.iter().copied()).current_dir(&here).output().unwrap();
+            assert!(output.stdout == first, "{variables:?} in {here:?}: {:?}", output.stderr);
+        }
+    }
+    // A file is made beside its name, not in a folder for what is passing.
+    let mut command = folder.command(&["a.tg", "-o", "b.png"]);
+    assert!(command.env("TMPDIR", "/nowhere").status().unwrap().success());
+    assert!(folder.read("b.png") == first);
+    #[cfg(unix)]
+    folder.allow("home", 0o755);
 }
 
 #[test]

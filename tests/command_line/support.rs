@@ -90,6 +90,24 @@ impl Folder {
         ran(&child.wait_with_output().unwrap())
     }
 
+    /// Runs the program here as somebody who owns nothing of this; nothing if that cannot be done.
+    ///
+    /// The superuser may read and write everything: as such no test would see what happens to others.
+    #[cfg(unix)]
+    pub(crate) fn run_as_stranger(&self, arguments: &[&str]) -> Option<Ran> {
+        use std::os::unix::process::CommandExt;
+        const NOBODY: u32 = 65_534;
+        let mut command = self.command(arguments);
+        command.stdin(Stdio::null()).uid(NOBODY).gid(NOBODY).output().ok().map(|it| ran(&it))
+    }
+
+    /// Sets who may do what with a file or folder here.
+    #[cfg(unix)]
+    pub(crate) fn allow(&self, name: &str, mode: u32) {
+        let permissions = std::os::unix::fs::PermissionsExt::from_mode(mode);
+        fs::set_permissions(self.path(name), permissions).unwrap();
+    }
+
     /// Runs a line of shell here, in which `$treegen` is the program.
     #[cfg(unix)]
     pub(crate) fn shell(&self, line: &str) -> Ran {

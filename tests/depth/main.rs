@@ -82,6 +82,11 @@ fn read(text: &str) -> &'static str {
     })
 }
 
+/// How many mistakes are told of a text.
+fn told(text: &str) -> usize {
+    on_stack(SMALL_STACK, || compiled(text, &Limits::default()).problems.iter().filter(|it| it.is_error()).count())
+}
+
 /// One for each message, and one for those that are too many.
 fn lines_of(compiled: &Compiled) -> usize {
     let count = compiled.problems.len();

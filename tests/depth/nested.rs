@@ -1,6 +1,6 @@
 //! Brackets, `if`s and signs of exponents inside one another in a text.
 
-use super::{depths, drawn, read};
+use super::{depths, drawn, is_full, read, told};
 use treegen_runtime::Limits;
 
 /// As [`treegen_grammar::MAX_NESTING`] and docs/limits.md say.
@@ -134,6 +134,51 @@ fn what_is_opened_and_never_closed_is_one_mistake_or_two_at_every_depth() {
                 let text = before.to_owned() + &open.repeat(depth);
                 assert_ne!(read(&text), "fine", "{text}");
             }
+        }
+    }
+}
+
+/// Where brackets may be out of order.
+const BEFORE: [&str; 14] = [
+    "",
+    "let x = ",
+    "fn f(a) = ",
+    "use ",
+    "enum E { ",
+    "material M { gloss: ",
+    "csg S { start ",
+    "csg S { start a(",
+    "csg S { start T; T(n) if ",
+    "csg S { start T; T -> ",
+    "shape S { start ",
+    "hull H { start ",
+    "scene { show ",
+    "scene { camera { eye: ",
+];
+
+/// Brackets that are open, closed or crossed, and what opens without one.
+#[rustfmt::skip]
+const OUT_OF_ORDER: [&str; 25] = [
+    "(", "[", "{", ")", "]", "}", "([", "(]", "[(", "{[", "]]))", "f(", "a[", "(1, ", "[1, ", "-(", "not (", "repeat 2 {", "if a {",
+    "if a then ", "1 ^ -", "box | (", "move(1, 0, 0) (", "{ n = ", "/*",
+];
+
+#[test]
+fn brackets_out_of_order_are_three_mistakes_at_most_of_the_whole_program() {
+    for before in BEFORE {
+        for part in OUT_OF_ORDER {
+            let is_long = is_full() || matches!(before, "let x = " | "csg S { start ");
+            for count in [1, 2, 3, MOST + 1].into_iter().chain(is_long.then_some(20_000)) {
+                for after in ["", "; csg Z { start box; }\n"] {
+                    let found = told(&[before, &part.repeat(count), after].concat());
+                    assert!((1..=3).contains(&found), "{found}: {before}{part} x {count}{after}");
+                }
+            }
+        }
+        // Crossed from the inside out, to any depth.
+        for depth in [1, 2, 100, 10_000] {
+            let found = told(&[before, &"([".repeat(depth), &")]".repeat(depth), ";"].concat());
+            assert!((1..=3).contains(&found), "{found}: {before} {depth}");
         }
     }
 }

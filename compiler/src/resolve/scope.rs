@@ -212,8 +212,8 @@ impl<'o> Resolver<'o> {
             return;
         }
         let near = if self.unknown.len() <= MAX_SUGGESTIONS { self.similar(scope, name, fits, more) } else { None };
-        if near.is_none() && self.unknown.len() <= MAX_SUGGESTIONS {
-            self.note_unfound(scope, span, fits);
+        if self.unknown.len() <= MAX_SUGGESTIONS {
+            self.note_unfound(scope, span, fits, near.as_deref());
         }
         self.problems.push(words::names::unknown(name, span, what, near.as_deref()));
     }

@@ -22,11 +22,19 @@ pub(super) struct Unfound {
     span: Span,
     /// What it could mean.
     candidates: Vec<DefId>,
+    /// The name that it was probably meant to be, which was said.
+    near: Option<String>,
 }
 
 impl Resolver<'_> {
     /// Takes note of an unknown name whose problem comes next.
-    pub(super) fn note_unfound(&mut self, scope: &Scope, span: Span, fits: &dyn Fn(Meaning) -> bool) {
+    pub(super) fn note_unfound(
+        &mut self,
+        scope: &Scope,
+        span: Span,
+        fits: &dyn Fn(Meaning) -> bool,
+        near: Option<&str>,
+    ) {
         // What a used file defines is there for others.
         if scope.file != FileId::MAIN {
             return;
@@ -36,11 +44,16 @@ impl Resolver<'_> {
         let fitting = locals.chain(around).filter(|it| fits(it.meaning)).map(|it| it.def);
         let candidates: Vec<DefId> = fitting.take(MAX_CANDIDATES + 1).collect();
         if candidates.len() <= MAX_CANDIDATES {
-            self.unfound.push(Unfound { problem: self.problems.len(), span, candidates });
+            self.unfound.push(Unfound {
+                problem: self.problems.len(),
+                span,
+                candidates,
+                near: near.map(str::to_owned),
+            });
         }
     }
 
-    /// Adds to each unknown name the one definition that it could mean and that nothing uses.
+    /// Adds to each unknown name the definition that it was probably meant to lead to, or the only one that it could, if nothing uses it.
     pub(super) fn show_unused(&mut self) {
         let unfound = std::mem::take(&mut self.unfound);
         if unfound.is_empty() {
@@ -52,12 +65,16 @@ impl Resolver<'_> {
                 used[target.index()] = true;
             }
         }
-        for Unfound { problem, span, candidates } in unfound {
-            let mut unused = candidates.iter().filter(|it| !used[it.index()] && !self.is_for_itself(**it));
+        for Unfound { problem, span, candidates, near } in unfound {
+            let is_unused = |it: &&DefId| !used[it.index()] && !self.is_for_itself(**it);
+            let is_near = |it: &&DefId| near.as_ref().is_none_or(|near| *near == self.program.def(**it).name);
+            let mut unused = candidates.iter().filter(is_unused).filter(is_near);
             let (Some(only), None) = (unused.next(), unused.next()) else { continue };
             let def = self.program.def(*only);
-            if let Some(problem) = self.problems.get_mut(problem) {
-                words::names::unused_instead(problem, def.kind.word(), &def.name, def.span, span);
+            let Some(problem) = self.problems.get_mut(problem) else { continue };
+            words::names::unused(problem, def.kind.word(), def.span);
+            if near.is_none() {
+                words::names::unused_instead(problem, &def.name, span);
             }
         }
     }

@@ -20,8 +20,12 @@ pub(crate) fn unknown(name: &str, span: Span, what: &str, near: Option<&str>) ->
 }
 
 /// Adds to an unknown name what was defined and is not used.
-pub(crate) fn unused_instead(problem: &mut Problem, what: &str, name: &str, defined: Span, span: Span) {
+pub(crate) fn unused(problem: &mut Problem, what: &str, defined: Span) {
     problem.labels.push(Label { span: defined, text: format!("this {what} is never used") });
+}
+
+/// Adds to an unknown name that one was meant that is like it in no letter.
+pub(crate) fn unused_instead(problem: &mut Problem, name: &str, span: Span) {
     let edits = vec![Edit { span, text: name.to_owned() }];
     let text = format!("was `{name}` meant?");
     problem.suggestions.push(Suggestion { text, edits, safety: Safety::Unsafe });

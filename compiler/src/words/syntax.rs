@@ -2,7 +2,7 @@
 
 use treegen_grammar::{
     MAX_ERRORS, MAX_NAME_BYTES, MAX_NESTING, MAX_SOURCE_BYTES, MAX_TEXT_BYTES, NumberProblem, Span, SyntaxError,
-    SyntaxErrorKind,
+    SyntaxErrorKind, Twin,
 };
 
 use super::one_of;
@@ -15,6 +15,10 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
         SyntaxErrorKind::SourceTooLong { bytes } => {
             Problem::error("E0901", "the text is too long", span, format!("{bytes} bytes"))
                 .note(format!("a file may have {MAX_SOURCE_BYTES} bytes"))
+        }
+        SyntaxErrorKind::FormattedTooLong { bytes } => {
+            Problem::error("E0901", "formatted, the text would be too long", span, format!("{bytes} bytes"))
+                .note(format!("a file may have {MAX_SOURCE_BYTES} bytes; it is left as it is"))
         }
         SyntaxErrorKind::WideCharacters => {
             Problem::error("E0115", "the text is not in UTF-8", span, "UTF-16 or UTF-32, by its zero bytes")
@@ -32,7 +36,7 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
             let message = format!("there are more than {MAX_ERRORS} mistakes");
             Problem::error("E0904", message, span, "what follows was not read")
         }
-        SyntaxErrorKind::BadCharacter { found, twin } => bad_character(*found, *twin, span),
+        SyntaxErrorKind::BadCharacter { found, twin } => bad_character(*found, twin.as_ref(), span),
         SyntaxErrorKind::ForeignOperator { found, twin } => Problem::error(
             "E0102",
             format!("`{found}` is not an operator"),
@@ -89,7 +93,7 @@ pub(crate) fn problem(error: &SyntaxError) -> Problem {
     }
 }
 
-fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem {
+fn bad_character(found: char, twin: Option<&Twin>, span: Span) -> Problem {
     let point = format!("U+{:04X}", u32::from(found));
     if let Some(what) = unseen(found) {
         return Problem::error("E0101", format!("the character {point} {what}"), span, "not allowed anywhere")
@@ -101,9 +105,11 @@ fn bad_character(found: char, twin: Option<&'static str>, span: Span) -> Problem
     let problem =
         Problem::error("E0101", format!("the character {shown} is not part of the language"), span, "not known here");
     match twin {
-        // Quotes come in pairs.
-        Some("\"") => problem.suggest("write `\"`", Safety::Unsafe, span, "\""),
-        Some(twin) => problem.suggest(format!("write `{twin}`"), Safety::Safe, span, twin),
+        Some(twin) => {
+            let safety = if twin.is_sure { Safety::Safe } else { Safety::Unsafe };
+            let words = if twin.text.is_empty() { "take it out".to_owned() } else { format!("write `{}`", twin.text) };
+            problem.suggest(words, safety, span, twin.text.as_str())
+        }
         None => problem.note(
             "names have letters from a to z, digits and `_`; all that can be seen may stand in texts and comments",
         ),

@@ -17,10 +17,10 @@ mod lines;
 mod pieces;
 mod spacing;
 
-use crate::error::SyntaxError;
+use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::lexer::lex;
 use crate::parse::parse;
-use crate::{FileId, MAX_SOURCE_BYTES};
+use crate::{FileId, MAX_SOURCE_BYTES, Span};
 
 use columns::Columns;
 use lines::Lines;
@@ -33,7 +33,7 @@ const MOST_ROUNDS: usize = 16;
 /// Formats a text.
 ///
 /// # Errors
-/// Its mistakes: such a text is nobody's to change.
+/// Its mistakes: such a text is nobody's to change. Or that it would be longer than a text may be.
 pub fn format(file: FileId, text: &str) -> Result<String, Vec<SyntaxError>> {
     // Of the text itself: what it is tidied to may have other places, and fewer mistakes.
     let errors = parse(file, text).errors;
@@ -48,6 +48,10 @@ pub fn format(file: FileId, text: &str) -> Result<String, Vec<SyntaxError>> {
         }
         let pieces = Pieces::new(file, &formatted, &parsed.file);
         let next = written(&pieces);
+        if next.len() > MAX_SOURCE_BYTES {
+            let span = Span::new(file, 0, 0);
+            return Err(vec![SyntaxError { span, kind: SyntaxErrorKind::FormattedTooLong { bytes: next.len() } }]);
+        }
         if next == formatted {
             break;
         }
@@ -93,9 +97,6 @@ fn written(pieces: &Pieces<'_>) -> String {
 
 /// Whether two texts have the same tokens and the same comments.
 fn says_the_same(file: FileId, one: &str, other: &str) -> bool {
-    if other.len() > MAX_SOURCE_BYTES {
-        return false;
-    }
     let one = tidy(one);
     let (a, b) = (lex(file, &one), lex(file, other));
     let comments = |it: &crate::lexer::Lexed<'_>, text: &str| -> Vec<String> {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::cycles::{self, Endless, Knot, Link};
 use super::flow::Flow;
 use super::range::Range;
-use super::run::{Meeting, Outcome, Rest, Run};
+use super::run::{MOST_DRAWN, Meeting, Outcome, Rest, Run};
 use super::sketch::{AbstractState, Extent, Sketch};
 use super::trouble::{Blame, Blamed};
 use super::value::Abstract;
@@ -58,6 +58,8 @@ struct Node {
     work: u64,
     extent: Option<Box<Extent>>,
     exact: Option<bool>,
+    /// Whether a run from it is certain to have too much to look at: see [`Canon::is_too_long`].
+    hopeless: bool,
     /// Whether it leads to no more than [`MOST_MODEST`].
     modest: Option<bool>,
 }
@@ -122,6 +124,7 @@ impl Canon {
         let extent = match kept {
             Some(extent) => extent,
             None if self.is_exact(flow, number)? => self.known(number),
+            None if self.nodes[number as usize].hopeless => Extent::ALL.in_circle(flow.circle(state.entry)),
             None => {
                 let extent = match self.vague(flow, &state) {
                     Some(extent) => extent,
@@ -206,6 +209,7 @@ impl Canon {
             work: 0,
             extent: None,
             exact: None,
+            hopeless: false,
             modest: None,
         });
         self.seen.push((0, 0));
@@ -257,7 +261,10 @@ impl Canon {
                 (level, level_end) = (level + 1, found.len());
             }
             let number = found[at].0;
-            if self.nodes[number as usize].exact == Some(false) || level > self.depth.saturating_add(1) {
+            let is_too_deep = level > self.depth.saturating_add(1);
+            if self.nodes[number as usize].exact == Some(false) || is_too_deep {
+                let is_hopeless = self.nodes[number as usize].hopeless || is_too_deep && self.is_too_long(found, at);
+                self.nodes[found[0].0 as usize].hopeless |= is_hopeless;
                 return false;
             }
             sketched += self.look(flow, number, sketched < MOST_SKETCHED);
@@ -283,6 +290,23 @@ impl Canon {
             self.too_much(found);
         }
         work <= most_work
+    }
+
+    /// Whether no run from the first state comes to its end, since the way to the one at `at` is long: it leads through so many entries that even
+    /// without those that lead to few states, as the last ones may, it looks at too many. A run takes states of one entry together, and no others.
+    ///
+    /// Without that, each of ten thousand modules that lead to one another would begin a run of thousands of states in vain.
+    fn is_too_long(&self, found: &Found, at: usize) -> bool {
+        let mut entries = Vec::new();
+        let mut place = at as u32;
+        while place > 0 {
+            let (number, from, _) = found[place as usize];
+            entries.push(self.nodes[number as usize].state.entry);
+            place = from;
+        }
+        entries.sort_unstable();
+        entries.dedup();
+        entries.len() > MOST_DRAWN as usize + MOST_MODEST
     }
 
     /// Notes of the states of a search which of them lead to too much by themselves. A search goes on to twice of what is too much: so of a long

@@ -21,7 +21,7 @@ const MOST_KEYS: usize = 64;
 /// How often a joined state may change after it has been looked at before it is widened.
 const PATIENCE: u32 = 3;
 /// States that a run looks at, again and again; then nothing is known.
-const MOST_DRAWN: u32 = 4096;
+pub(super) const MOST_DRAWN: u32 = 4096;
 /// Parts of all of these; then nothing is known either.
 const MOST_PARTS: usize = 1 << 16;
 /// Nodes that a run goes through; then nothing is known either.

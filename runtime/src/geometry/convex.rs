@@ -105,6 +105,15 @@ impl Convex {
         is_flat.then(|| self.outwards(face, DVec3::ZERO))
     }
 
+    /// A vector along the outward normal of a face at a point of it, whose greatest part is about 1.
+    pub(crate) fn normal(&self, face: u32, point: DVec3) -> DVec3 {
+        /// At an apex there is no normal, and very near to it none that is right.
+        const LEAST: f64 = 1e-100;
+        let outwards = self.outwards(face, point);
+        let size = outwards.abs().max_element();
+        if size > LEAST { outwards * (1.0 / size) } else { self.primitive().normal(point, face) }
+    }
+
     /// A vector along the outward normal of a face, not of length 1.
     fn outwards(&self, face: u32, point: DVec3) -> DVec3 {
         match *self {
@@ -149,12 +158,6 @@ fn number<S: Simd>(lanes: S, value: f64) -> Wide<S> {
 }
 
 #[inline(always)]
-fn none<S: Simd>(lanes: S) -> Mask<S> {
-    let zero = number(lanes, 0.0);
-    zero.lt(zero)
-}
-
-#[inline(always)]
 fn side<S: Simd>(lanes: S, t: Wide<S>, face: u32) -> Side<S> {
     Side { t, face: lanes.splat_u64s(u64::from(face) * FACE) }
 }
@@ -183,14 +186,14 @@ impl<S: Simd> Mask<S> {
 /// The pieces between two sides where something lies between them.
 #[inline(always)]
 fn between<S: Simd>(lanes: S, near: Side<S>, far: Side<S>, met: Mask<S>) -> Pieces<S> {
-    Pieces { met: met & near.t.lt(far.t), odd: none(lanes), near, far }
+    Pieces { met: met & near.t.lt(far.t), odd: Mask::none(lanes), near, far }
 }
 
 /// The pieces of lines that meet nothing.
 #[inline(always)]
 fn nothing<S: Simd>(lanes: S) -> Pieces<S> {
     let end = side(lanes, number(lanes, 0.0), 0);
-    Pieces { met: none(lanes), odd: none(lanes), near: end, far: end }
+    Pieces { met: Mask::none(lanes), odd: Mask::none(lanes), near: end, far: end }
 }
 
 #[inline(always)]
@@ -317,7 +320,7 @@ impl<S: Simd> Clip<S> {
     pub(super) fn all(lanes: S) -> Self {
         let infinity = number(lanes, f64::INFINITY);
         let (near, far) = (side(lanes, -infinity, 0), side(lanes, infinity, 0));
-        Self { lanes, near, far, met: !none(lanes) }
+        Self { lanes, near, far, met: !Mask::none(lanes) }
     }
 
     /// Cuts off what lies in front of a plane, that the lines are `distance` behind at t = 0 and near by `speed`.
@@ -388,5 +391,5 @@ fn triangle<S: Simd>(lanes: S, lines: &Lines<S>) -> Pieces<S> {
     let crossed = !d.z.equals(zero) & t.abs().lt(number(lanes, f64::INFINITY));
     let met = crossed & x.ge(least) & y.ge(least) & rest.ge(least);
     let at = side(lanes, t, 0);
-    Pieces { met, odd: none(lanes), near: at, far: at }
+    Pieces { met, odd: Mask::none(lanes), near: at, far: at }
 }

@@ -101,6 +101,17 @@ pub(crate) fn select16<S: Simd<f32s = f32x16>>(lanes: S, mask: S::m32s, yes: f32
     pulp::cast(lanes.select_u32s(mask, pulp::cast(yes), pulp::cast(no)))
 }
 
+/// The numbers of the bits that are set.
+#[inline(always)]
+pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        // Takes the lowest bit away.
+        bits &= bits.wrapping_sub(1);
+        (lane < 32).then_some(lane as usize)
+    })
+}
+
 /// Something to do with whatever SIMD the machine has.
 pub(crate) trait Task {
     /// What it gives.

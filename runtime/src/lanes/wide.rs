@@ -84,6 +84,13 @@ impl<S: Simd> Wide<S> {
 }
 
 impl<S: Simd> Mask<S> {
+    /// No lane.
+    #[inline(always)]
+    pub(crate) fn none(lanes: S) -> Self {
+        let zero = Wide::splat(lanes, 0.0);
+        zero.lt(zero)
+    }
+
     #[inline(always)]
     pub(crate) fn new(lanes: S, value: S::m64s) -> Self {
         Self { lanes, value }
@@ -100,6 +107,12 @@ impl<S: Simd> Mask<S> {
     pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {
         let (yes, no) = (pulp::cast(yes.value), pulp::cast(no.value));
         Wide { lanes: self.lanes, value: pulp::cast(self.lanes.select_u64s(self.value, yes, no)) }
+    }
+
+    /// `yes` in the lanes that are set, `no` in the others.
+    #[inline(always)]
+    pub(crate) fn select3(self, yes: Wide3<S>, no: Wide3<S>) -> Wide3<S> {
+        Wide3 { x: self.select(yes.x, no.x), y: self.select(yes.y, no.y), z: self.select(yes.z, no.z) }
     }
 
     /// `yes` in the lanes that are set, `no` in the others.
@@ -127,6 +140,12 @@ impl<S: Simd> Wide3<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// Vectors multiplied part by part.
+    #[inline(always)]
+    pub(crate) fn times(self, other: Self) -> Self {
+        Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
+    }
+
     /// A vector mapped by a matrix.
     #[inline(always)]
     pub(crate) fn turned(self, matrix: &DMat3) -> Self {
@@ -152,6 +171,18 @@ pub(crate) fn lane_of(numbers: &f64x8, lane: usize) -> f64 {
 }
 
 impl<S: Simd<f64s = f64x8>> Wide<S> {
+    /// The first or the second eight of sixteen numbers.
+    #[inline(always)]
+    pub(crate) fn of_column(lanes: S, column: &[f64; 16], half: usize) -> Self {
+        Self::new(lanes, bytemuck::cast_ref::<[f64; 16], [f64x8; 2]>(column)[half])
+    }
+
+    /// Puts the numbers where the first or the second eight of sixteen stand.
+    #[inline(always)]
+    pub(crate) fn put(self, column: &mut [f64; 16], half: usize) {
+        bytemuck::cast_mut::<[f64; 16], [f64x8; 2]>(column)[half] = self.value;
+    }
+
     /// The number of a lane.
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> f64 {
@@ -168,6 +199,25 @@ impl<S: Simd<f64s = f64x8>> Wide3<S> {
             y: Wide::new(lanes, pulp::cast(y)),
             z: Wide::new(lanes, pulp::cast(z)),
         }
+    }
+
+    /// The first or the second eight of sixteen vectors, given part by part.
+    #[inline(always)]
+    pub(crate) fn of_columns(lanes: S, columns: &[[f64; 16]; 3], half: usize) -> Self {
+        let [x, y, z] = columns;
+        Self {
+            x: Wide::of_column(lanes, x, half),
+            y: Wide::of_column(lanes, y, half),
+            z: Wide::of_column(lanes, z, half),
+        }
+    }
+
+    /// Puts the vectors where the first or the second eight of sixteen stand.
+    #[inline(always)]
+    pub(crate) fn put(self, [x, y, z]: &mut [[f64; 16]; 3], half: usize) {
+        self.x.put(x, half);
+        self.y.put(y, half);
+        self.z.put(z, half);
     }
 
     /// The vector of a lane.
@@ -246,6 +296,15 @@ impl<S: Simd> Add for Wide3<S> {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl<S: Simd> Neg for Wide3<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
     }
 }
 

@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
+use crate::lanes::{Kernel, SIXTEEN, Singles};
+
 const STEPS: usize = 4096;
 
 /// The linear values of `i / STEPS`.
@@ -38,6 +40,14 @@ pub(super) fn srgb_byte(linear: f32) -> u8 {
 /// The byte nearest to a part of 1 that is not a colour.
 pub(crate) fn plain_byte(part: f32) -> u8 {
     (part * 255.0 + 0.5) as u8
+}
+
+/// Reds, greens and blues pixel by pixel.
+#[inline(always)]
+pub(super) fn as_pixels<K: Kernel>(kernel: K, [red, green, blue]: [Singles<K>; 3]) -> [[f32; 4]; SIXTEEN] {
+    let every_fourth = Singles::turn_numbers([red, green, blue, Singles::splat(kernel, 1.0)]);
+    let [a, b, c, d] = Singles::turn_groups(every_fourth);
+    pulp::cast([a.to_fours(), b.to_fours(), c.to_fours(), d.to_fours()])
 }
 
 fn decoded(srgb: f64) -> f64 {

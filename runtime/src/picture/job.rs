@@ -73,12 +73,12 @@ pub(super) fn render(order: Order<'_>, watch: &dyn Watch) -> Result<Picture, Fau
     let setting = Setting { view, rays: &rays, offsets: &offsets, shader: &shader, tracer, scanner, watch };
     let mut picture = blank(view, scene, picture);
     // Where each pixel has one sample, its colour is put there at once.
-    let mut colors = if setting.plain().is_some() { std::mem::take(&mut picture.color) } else { Vec::new() };
+    let mut colors = if setting.by_rows() { std::mem::take(&mut picture.color) } else { Vec::new() };
     let job = Job::new(setting, desks, picture, &mut colors);
     // Each of these takes tile after tile, so that buffers are made once a thread.
     (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| job.work());
     let mut picture = job.finish()?;
-    if setting.plain().is_some() {
+    if setting.by_rows() {
         picture.color = colors;
     }
     if view.heatmap {
@@ -142,7 +142,8 @@ impl<'a> Job<'a> {
         let desk = self.desks.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut painter = Painter::new(self.setting, desk.unwrap_or_default());
         while let Some(tile) = self.take() {
-            let band = self.bands.get(self.band(&tile));
+            // What is traced takes so long that others would wait for their turn there.
+            let band = self.bands.get(self.band(&tile)).filter(|_| self.setting.plain().is_some());
             // If another thread is at work there, they are put there later.
             let mut rows = band.and_then(|it| it.try_lock().ok());
             let into =

@@ -1,11 +1,13 @@
 //! Suns and sky, in linear light.
 
 use glam::{DVec2, DVec3};
+use pulp::Simd;
 
 use super::camera::{Rays, unit};
 use super::color::linear;
 use super::sampling::light_point;
 use crate::form::{Background, Scene, Sky, Sun};
+use crate::lanes::Wide3;
 
 /// What a light of strength 1 comes to in the picture: a white surface in a full sun and under the sky that is the default
 /// just does not clip.
@@ -112,6 +114,11 @@ impl SunLight {
         (color.max_element() > 0.0).then_some(Self { toward, color, disc, number })
     }
 
+    /// Whether it is more than a point, so that the ways to it differ.
+    pub(super) fn is_disc(&self) -> bool {
+        self.disc.is_some()
+    }
+
     /// The way to the sun for one sample of a pixel: to its middle, or for soft shadows to some point of its disc.
     pub(super) fn direction(&self, pixel: (u32, u32), sample: u32) -> DVec3 {
         let Some(disc) = &self.disc else {
@@ -146,6 +153,14 @@ impl SkyLight {
     /// divided by π, which takes two thirds of each slope.
     pub(crate) fn on(&self, normal: DVec3) -> DVec3 {
         self.mean + (self.upward * normal.z + self.sunward * self.side.dot(normal)) * (2.0 / 3.0)
+    }
+
+    /// The same on surfaces side by side.
+    #[inline(always)]
+    pub(super) fn on_all<S: Simd>(&self, normal: Wide3<S>) -> Wide3<S> {
+        let all = |it: DVec3| Wide3::splat_like(normal.x, it);
+        let sunward = all(self.side).dot(normal);
+        all(self.mean) + (all(self.upward) * normal.z + all(self.sunward) * sunward) * normal.x.all(2.0 / 3.0)
     }
 
     /// What is seen behind everything, with its alpha: the sky, or nothing.

@@ -6,6 +6,7 @@
 //! Every pixel is a pure function of the scene and its own place in the whole picture: tile sizes, threads and crops change
 //! nothing.
 
+mod bare;
 pub(crate) mod camera;
 pub(crate) mod color;
 mod exr_header;

@@ -6,6 +6,7 @@ use super::color::{linear, within};
 use crate::eval::{fraction, spread};
 use crate::form::{Material, MaterialId, Scene, Space, Texture, TextureId};
 use crate::texture::Field;
+use crate::trace::BareMaterials;
 
 /// A material, ready for use.
 #[derive(Clone, Debug)]
@@ -65,6 +66,10 @@ pub(super) struct Paints {
     pub(super) mirrors: bool,
     /// Whether any of them has a texture.
     pub(super) textures: bool,
+    /// Whether any of them shines.
+    pub(super) glossy: bool,
+    /// Which of them are bare.
+    pub(super) bare: BareMaterials,
 }
 
 impl Paints {
@@ -73,8 +78,14 @@ impl Paints {
         // Materials with one texture share it, and what it keeps in memory.
         let patterns: Vec<Pattern> = scene.textures.iter().map(|it| Pattern::new(it, scene.seed)).collect();
         let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, &patterns)).collect();
+        let plain_is_bare = paints.last().is_some_and(Paint::is_bare);
         Self {
             mirrors: paints.iter().any(|it| it.mirror > 0.0),
+            glossy: paints.iter().any(|it| it.gloss.is_some()),
+            bare: BareMaterials::new(
+                scene.materials.iter().zip(&paints).map(|it| it.1.is_bare()).collect(),
+                plain_is_bare,
+            ),
             textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some() || it.relief.is_some()),
             paints,
         }
@@ -112,6 +123,12 @@ impl Paint {
     pub(super) fn is_matt(&self) -> bool {
         let shines = self.gloss.is_some() || self.mirror > 0.0 || self.translucent > 0.0;
         !shines && self.bump.is_none() && self.relief.is_none()
+    }
+
+    /// Whether light that falls on it is scattered or shines, and nothing else: it neither mirrors nor lets light through, and has no texture.
+    fn is_bare(&self) -> bool {
+        let textured = self.shade.is_some() || self.bump.is_some() || self.relief.is_some();
+        !textured && self.mirror == 0.0 && self.translucent == 0.0
     }
 
     /// Its colour on the solid that has this route.

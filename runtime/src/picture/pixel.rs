@@ -45,9 +45,9 @@ pub(super) struct Hit {
     pub(super) material: Option<MaterialId>,
 }
 
-/// What a pixel's first sample met.
+/// What a sample of a pixel met.
 #[derive(Clone, Copy, Debug)]
-struct Surface {
+pub(super) struct Surface {
     normal: DVec3,
     position: DVec3,
     material: Option<MaterialId>,
@@ -93,8 +93,8 @@ impl Spread {
     };
 
     /// Adds a sample: its colour, and the foremost of what it met.
-    pub(super) fn add(&mut self, color: [f32; 4], front: Option<&Fragment>, rays: &Rays) {
-        self.compare(front, rays);
+    pub(super) fn add(&mut self, color: [f32; 4], front: Option<Surface>) {
+        self.compare(front);
         self.count += 1;
         for (channel, value) in color.into_iter().enumerate() {
             // The root comes near to how the eye sees light, and what is above white looks white.
@@ -121,8 +121,7 @@ impl Spread {
         })
     }
 
-    fn compare(&mut self, front: Option<&Fragment>, rays: &Rays) {
-        let met = front.map(|fragment| Surface::of(fragment, rays));
+    fn compare(&mut self, met: Option<Surface>) {
         if self.count == 0 {
             self.surface = met;
             return;
@@ -153,13 +152,12 @@ impl Hit {
 }
 
 impl Surface {
-    fn of(fragment: &Fragment, rays: &Rays) -> Self {
-        Self {
-            normal: fragment.normal,
-            position: fragment.position,
-            material: fragment.material,
-            width: rays.footprint(fragment.depth),
-        }
+    pub(super) fn of(fragment: &Fragment, rays: &Rays) -> Self {
+        Self::new(fragment.normal, fragment.position, fragment.material, fragment.depth, rays)
+    }
+
+    pub(super) fn new(normal: DVec3, position: DVec3, material: Option<MaterialId>, depth: f64, rays: &Rays) -> Self {
+        Self { normal, position, material, width: rays.footprint(depth) }
     }
 
     /// Whether what is met here could be the same smooth surface: of the same paint, turned alike, and not a step away.

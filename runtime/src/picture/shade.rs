@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::bare::Bare;
 use super::color::within;
 use super::light::{Lights, SkyLight, SunLight};
 use super::mirror::{MAX_BOUNCES, Reflected, Root, share, thrown_back};
@@ -16,7 +17,7 @@ use crate::form::MaterialId;
 use crate::trace::{Beam, Fragment, RayFault, Seen, Tracer};
 
 /// More light than this says nothing more; it keeps sums finite.
-const BRIGHTEST: f64 = 1e6;
+pub(super) const BRIGHTEST: f64 = 1e6;
 
 /// Which sample of which pixel a ray is for.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +60,8 @@ pub(super) struct Scratch {
     pub(super) colors: Vec<[f32; 4]>,
     /// How many rays from mirrors were traced so far.
     pub(super) reflected_count: u64,
+    /// For what is shaded by columns.
+    pub(super) bare: Bare,
 }
 
 /// The light along a ray of the camera.
@@ -97,6 +100,10 @@ impl Shader {
 
     pub(super) fn haze(&self) -> f64 {
         self.lights.haze
+    }
+
+    pub(super) fn paints(&self) -> &Paints {
+        &self.paints
     }
 
     pub(super) fn paint(&self, material: Option<MaterialId>) -> &Paint {
@@ -235,20 +242,35 @@ impl Shader {
         if self.lights.haze == 0.0 {
             return Shown { color, image };
         }
-        let left = libm::exp(-self.lights.haze * fragment.depth);
+        let left = self.left_in_air(fragment.depth);
         Shown { color: sky.air(direction).lerp(color, left), image: image * left }
+    }
+
+    /// How much is left of the light that comes so far through the air.
+    fn left_in_air(&self, depth: f64) -> f64 {
+        libm::exp(-self.lights.haze * depth)
+    }
+
+    /// What a colour looks like so far away in a direction.
+    pub(super) fn through_air(&self, color: DVec3, direction: DVec3, depth: f64) -> DVec3 {
+        self.lights.sky.air(direction).lerp(color, self.left_in_air(depth))
     }
 }
 
 impl Scratch {
+    /// The batch's colours, premultiplied, which were found by columns or not.
+    pub(super) fn colors(&self, by_columns: bool) -> &[[f32; 4]] {
+        if by_columns { self.bare.colors() } else { &self.colors }
+    }
+
     /// How many shadow rays were traced so far.
     pub(super) fn shadow_count(&self) -> u64 {
-        self.sunlight.count
+        self.sunlight.count + self.bare.count
     }
 
     /// Begins to count anew.
     pub(super) fn forget_counts(&mut self) {
-        (self.sunlight.count, self.reflected_count) = (0, 0);
+        (self.sunlight.count, self.bare.count, self.reflected_count) = (0, 0, 0);
     }
 
     /// The colours of what was summed.

@@ -7,6 +7,7 @@ pub mod cells;
 mod chain;
 mod expand;
 mod find;
+mod glances;
 mod liveness;
 mod path;
 pub mod reference;
@@ -17,6 +18,7 @@ mod walk;
 pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
 pub(crate) use expand::{WholeStem, constants};
 pub use find::{Derivable, find_shape, find_shapes};
+pub use glances::{ABREAST, BareMaterials, Column, Glances, Row, ShadowRays};
 pub use path::Path;
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
@@ -331,6 +333,26 @@ pub trait Tracer: Sync {
     fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
         let _ = normals;
         self.light(beams, light)
+    }
+
+    /// What each of the beams sees, by columns if that is a bare surface and these are the bare materials: `glances` are cleared first.
+    ///
+    /// # Errors
+    /// The fault of a beam, not always the lowest.
+    fn glance(&self, beams: &[Beam], bare: &BareMaterials, glances: &mut Glances) -> Result<(), RayFault> {
+        let _ = bare;
+        glances.clear();
+        self.look(beams, glances.add_others(beams.len()))
+    }
+
+    /// How much of the light comes along rays from bare surfaces, as [`Tracer::light`].
+    ///
+    /// # Errors
+    /// As [`Tracer::light`].
+    fn light_on_bare(&self, rays: &ShadowRays, glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let from =
+            |(beam, from): (&Beam, &u32)| SurfaceBeam { beam: *beam, from: glances.site(*from as usize).clone() };
+        self.light(&rays.beams.iter().zip(&rays.from).map(from).collect::<Vec<_>>(), light)
     }
 
     /// How much work each of the beams makes, one by one: the cells (for the walker by the book: the S-nodes) that it goes

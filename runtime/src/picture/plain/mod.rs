@@ -20,6 +20,7 @@ use self::alike::{alike, end_of_run};
 use self::coat::{Cloth, Coat};
 use self::facet::{Facet, Sunny};
 use self::sky::SkyLine;
+use super::color::as_pixels;
 use super::tile::Setting;
 use crate::lanes::{Kernel, SIXTEEN, Singles, Task, dispatch};
 use crate::scan::{Frame, Mark, Shadows};
@@ -370,14 +371,6 @@ fn shown_all<K: Kernel>(own: [Singles<K>; 3], light: [Singles<K>; 3]) -> [Single
         *color = (own[channel] * light[channel]).max(color.all(0.0)).min(color.all(BRIGHTEST));
     }
     colors
-}
-
-/// Reds, greens and blues pixel by pixel.
-#[inline(always)]
-fn as_pixels<K: Kernel>(kernel: K, [red, green, blue]: [Singles<K>; 3]) -> [[f32; 4]; SIXTEEN] {
-    let every_fourth = Singles::turn_numbers([red, green, blue, Singles::splat(kernel, 1.0)]);
-    let [a, b, c, d] = Singles::turn_groups(every_fourth);
-    pulp::cast([a.to_fours(), b.to_fours(), c.to_fours(), d.to_fours()])
 }
 
 /// A part of a colour; what is no number becomes 0.

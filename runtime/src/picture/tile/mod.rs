@@ -1,11 +1,12 @@
 //! Tiles: the pixels of a small square, from rays to colours.
 
 mod plainly;
+mod singly;
 
 use glam::DVec2;
 
 use super::camera::Rays;
-use super::pixel::{Hit, Pixel, Spread};
+use super::pixel::{Hit, Pixel, Spread, Surface};
 use super::plain::{Plain, Rows};
 use super::shade::{Key, Scratch, Shader};
 use super::view::View;
@@ -40,6 +41,12 @@ impl<'a> Setting<'a> {
     pub(super) fn plain(&self) -> Option<(&'a Scanner, &'a Shadows)> {
         let View { most, heatmap, .. } = *self.view;
         self.scanner.filter(|_| most == 1 && !heatmap)
+    }
+
+    /// Whether colours are put where they belong at once: each pixel has one sample, and nothing else of it is asked but by who draws.
+    pub(super) fn by_rows(&self) -> bool {
+        let View { most, heatmap, layers, .. } = *self.view;
+        most == 1 && !heatmap && (self.scanner.is_some() || !layers)
     }
 
     /// How wide and high tiles are. Those that are drawn and shaded line by line are wide: memory takes long lines sooner than short ones.
@@ -123,13 +130,15 @@ impl<'a> Painter<'a> {
     }
 
     /// Makes the pixels of a rectangle, in no order, and finds what the rays through their centres met if that is asked. Those that have
-    /// one sample are put into rows, if these are given.
+    /// one sample and are drawn are put into rows, if these are given.
     ///
     /// # Errors
     /// The fault of the rectangle's lowest pixel that meets one; or the watch's wish.
     pub(super) fn paint(&mut self, rect: &Rect, rows: Option<Rows<'_>>) -> Result<Painted<'_>, Stop> {
         let is_put = rows.is_some();
-        let result = if self.setting.plain().is_some() {
+        let result = if self.setting.plain().is_none() && self.setting.by_rows() {
+            self.run_singly(*rect)
+        } else if self.setting.plain().is_some() {
             let columns = rect.x..rect.x + rect.width;
             let places = (rect.y..rect.y + rect.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
             self.run(*rect, places, rows)
@@ -141,7 +150,7 @@ impl<'a> Painter<'a> {
             result
         };
         match result {
-            Ok(()) if self.setting.plain().is_some() => {
+            Ok(()) if self.setting.by_rows() => {
                 let colors = Some(&*self.desk.plain.colors).filter(|_| !is_put);
                 Ok(Painted::Rows(colors, &self.desk.pixels, &self.desk.centres))
             }
@@ -295,30 +304,50 @@ impl<'a> Painter<'a> {
         if setting.view.heatmap {
             return self.flush_work();
         }
-        self.look()?;
-        if setting.view.layers && setting.view.samples == 1 && setting.plain().is_none() {
-            self.keep_centres();
+        let by_columns = self.shade()?;
+        let Desk { keys, scratch, seen, pixels, spreads, .. } = &mut self.desk;
+        let colors = scratch.colors(by_columns);
+        for (key, color) in keys.iter().zip(colors) {
+            pixels[key.slot as usize].add(*color);
         }
-        let shaded = setting.shader.shade(
-            setting.tracer,
-            &self.desk.beams,
-            &self.desk.keys,
-            &mut self.desk.seen,
-            &mut self.desk.scratch,
-        );
-        shaded.map_err(|fault| self.stop(fault))?;
-        for (key, color) in self.desk.keys.iter().zip(&self.desk.scratch.colors) {
-            self.desk.pixels[key.slot as usize].add(*color);
-        }
-        if !self.desk.spreads.is_empty() {
-            for ((key, color), fragments) in
-                self.desk.keys.iter().zip(&self.desk.scratch.colors).zip(self.desk.seen.rays())
-            {
-                self.desk.spreads[key.slot as usize].add(*color, fragments.first(), setting.rays);
+        if !spreads.is_empty() {
+            let rays = keys.iter().zip(colors);
+            if by_columns {
+                for ((key, color), front) in rays.zip(scratch.bare.fronts(setting.rays)) {
+                    spreads[key.slot as usize].add(*color, front);
+                }
+            } else {
+                for ((key, color), fragments) in rays.zip(seen.rays()) {
+                    spreads[key.slot as usize].add(*color, fragments.first().map(|it| Surface::of(it, setting.rays)));
+                }
             }
         }
         self.begin_batch();
         Ok(())
+    }
+
+    /// Finds the colours of the batch's rays, and whether that was done by columns.
+    fn shade(&mut self) -> Result<bool, Stop> {
+        let setting = self.setting;
+        let keeps_centres = setting.view.layers && setting.view.samples == 1 && setting.plain().is_none();
+        if setting.scanner.is_none() && !keeps_centres {
+            self.count()?;
+            self.aim();
+            let Desk { beams, keys, scratch, counts, .. } = &mut self.desk;
+            if setting.shader.glance(setting.tracer, beams, keys, scratch).is_some() {
+                return Ok(true);
+            }
+            // They are counted when they are looked along again, to find the lowest ray that meets a fault.
+            counts.camera -= beams.len() as u64;
+        }
+        self.look()?;
+        if keeps_centres {
+            self.keep_centres();
+        }
+        let Desk { beams, keys, seen, scratch, .. } = &mut self.desk;
+        let shaded = setting.shader.shade(setting.tracer, beams, keys, seen, scratch);
+        shaded.map_err(|fault| self.stop(fault))?;
+        Ok(false)
     }
 
     /// Finds how much work the beams make. It stands for the colour until the most of it is known.

@@ -56,6 +56,9 @@ impl Found {
     const FLIPPED: u32 = 31;
     const TRAIL: u32 = 32;
 
+    /// What tells a surface that is flipped from one that is not.
+    pub(super) const FLIP: u64 = 1 << Self::FLIPPED;
+
     /// Parts are below 2^26, since a state has at most 10^6, and faces below 2^5.
     #[inline(always)]
     pub(super) fn new(mark: Mark, flipped: bool) -> Self {

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 use super::ROOT;
 use super::ask::{Ask, Mark, NONE};
 use super::begun::{Begun, Gathering, Inside, Operation, Stacks};
-use super::boxes::{BoxRay, lanes_of};
+use super::boxes::BoxRay;
 use super::cell::{Boolean, Cell, Grain, Instance, Leaf, LeafShape, Named, Ref, Union};
 use super::deep::deeper;
 use super::ray::{Local, Steps};
@@ -19,7 +19,7 @@ use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
 use crate::geometry::{End, FACE, Interval, Intervals, Pierced, Primitive, Side};
-use crate::lanes::{Kernel, One};
+use crate::lanes::{Kernel, One, lanes_of};
 
 /// The pieces of a ray inside something.
 pub(super) type Line = Intervals<Mark>;
@@ -333,7 +333,7 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face: leaf.marked(face) };
         if let (LeafShape::Convex(convex), None, true) = (leaf.shape, from, place.ray.is_tame()) {
-            let pieces = convex.pieces(One::new(), &place.ray.lines(&leaf.leaf_from_cell));
+            let pieces = convex.pieces(One::new(), &place.ray.lines(leaf));
             if !pieces.odd.value {
                 let end =
                     |side: Side<One>| End { t: side.t.value, surface: mark((side.face / FACE) as u32), flipped: false };

@@ -331,17 +331,6 @@ impl Opened {
     }
 }
 
-/// The numbers of the bits that are set.
-#[inline(always)]
-pub(super) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros();
-        // Takes the lowest bit away.
-        bits &= bits.wrapping_sub(1);
-        (lane < 32).then_some(lane as usize)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::cell::{Named, Ref};

@@ -14,7 +14,7 @@ use super::cell::{Boolean, COARSE_SIDE, Cell, Frame, Grain, Instance, Leaf, Leaf
 use super::draft::{Draft, Outline, Way, draft};
 use super::merge::Merge;
 use super::piece::{Piece, Shape};
-use super::ray::Inwards;
+use super::ray::{Inwards, is_straight};
 use super::store::{Generation, Store};
 use super::workshop::{Measure, Workshop};
 use crate::abstraction::primitive_bounds;
@@ -178,7 +178,8 @@ impl Layout<'_, '_, '_> {
         let (leaf_from_cell, shape) = self.leaf_shape(primitive, leaf_from_cell);
         let has_relief = bark.is_some_and(|it| it.hide.is_some());
         let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
-        self.cell.leaves.push(Leaf { leaf_from_cell, shape, solid, part });
+        let straight = is_straight(&leaf_from_cell.matrix3);
+        self.cell.leaves.push(Leaf { leaf_from_cell, straight, shape, solid, part });
         (member, bounds)
     }
 
@@ -247,7 +248,8 @@ impl Layout<'_, '_, '_> {
         let member = Ref::new(Named::Boolean(self.cell.booleans.len() as u32));
         let parts = part..self.cell.parts.len() as u32;
         let height = self.height(&self.cell.unions[operands.start as usize..]);
-        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height });
+        let convex = height > 0 && self.are_convex(&self.cell.unions[operands.start as usize..]);
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height, convex });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
 
@@ -262,6 +264,18 @@ impl Layout<'_, '_, '_> {
             Some(Named::Node(_) | Named::Instance(_)) | None => None,
         };
         operands.iter().map(of).try_fold(0, |most, it| it.map(|it| most.max(it))).unwrap_or(0)
+    }
+
+    /// Whether operands are convex solids, and Booleans of such.
+    fn are_convex(&self, operands: &[Union]) -> bool {
+        operands.iter().all(|union| match union.only().map(Ref::named) {
+            Some(Named::Leaf(number)) => {
+                let Leaf { solid, shape, .. } = &self.cell.leaves[number as usize];
+                *solid && matches!(shape, LeafShape::Convex(_))
+            }
+            Some(Named::Boolean(number)) => self.cell.booleans[number as usize].convex,
+            Some(Named::Node(_) | Named::Instance(_)) | None => false,
+        })
     }
 }
 

@@ -157,6 +157,8 @@ impl Ref {
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub(super) leaf_from_cell: DAffine3,
+    /// Whether that keeps all directions, as [`Inwards`](super::ray::Inwards) may.
+    pub(super) straight: bool,
     pub(super) shape: LeafShape,
     /// Whether it has an inside.
     pub(super) solid: bool,
@@ -325,6 +327,8 @@ pub(super) struct Boolean {
     pub(super) tolerance: f64,
     /// How many Booleans stand in one another in it, if it is made of single primitives, and of not many; else 0.
     pub(super) height: u32,
+    /// Whether all of these are convex, and have an inside: then pieces inside it can be found for several rays at once.
+    pub(super) convex: bool,
 }
 
 /// What a hit needs to know of a part.

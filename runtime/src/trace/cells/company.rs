@@ -4,7 +4,7 @@ use pulp::{Simd, f64x8, u64x8};
 
 use super::ask::{Ask, Found, Girth, Loss, Notes, Question, Veil};
 use super::ray::Locals;
-use crate::lanes::{EIGHT, Kernel, Wide, Wide3, lane_of};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, Wide3, lane_of};
 use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
@@ -29,27 +29,34 @@ pub(super) struct Packet<'q, S: Simd> {
     from: [Option<&'q Site>; RAYS],
     /// The lanes that are not left, one bit each,
     asking: u32,
+    /// those of beams that start on surfaces,
+    pub(super) sited: u32,
     /// and those of beams that go through the solid that they start on.
     through: u32,
 }
 
 impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
-    /// Of at most sixteen beams, and at least one.
+    /// Of at most sixteen beams, and at least one, by their numbers.
     #[inline(always)]
-    pub(super) fn new<K: Kernel<Lanes = S>>(kernel: K, beams: &'q [impl Start]) -> Self {
+    pub(super) fn new<K, B>(kernel: K, count: usize, beam: B) -> Self
+    where
+        K: Kernel<Lanes = S>,
+        B: Fn(usize) -> (Beam, Option<&'q Site>),
+    {
         let lanes = kernel.lanes();
         let zero = Wide::splat(lanes, 0.0);
         let nowhere = Wide3 { x: zero, y: zero, z: zero };
-        let (mut from, mut through) = ([None; RAYS], 0);
+        let (mut from, mut sited, mut through) = ([None; RAYS], 0, 0);
         let (mut origin, mut direction) = ([nowhere; 2], [nowhere; 2]);
         let (mut width, mut spread) = ([zero.value; 2], [zero.value; 2]);
         for half in 0..2 {
             let mut rows = [zero.value; EIGHT];
             for (lane, row) in rows.iter_mut().enumerate() {
                 let number = half * EIGHT + lane;
-                let (beam, site) = beams.get(number).unwrap_or(&beams[0]).beam();
+                let (beam, site) = beam(if number < count { number } else { 0 });
                 *row = pulp::cast(beam.numbers());
                 from[number] = site;
+                sited |= u32::from(site.is_some()) << number;
                 through |= u32::from(site.is_some_and(Site::is_through)) << number;
             }
             let [x, y, z, to_x, to_y, to_z, wide, spreading] = kernel.transposed(rows);
@@ -57,8 +64,8 @@ impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
             direction[half] = Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) };
             (width[half], spread[half]) = (wide, spreading);
         }
-        let asking = ((1_u64 << beams.len()) - 1) as u32;
-        Self { origin, direction, width, spread, from, asking, through }
+        let asking = ((1_u64 << count) - 1) as u32;
+        Self { origin, direction, width, spread, from, asking, sited, through }
     }
 }
 
@@ -123,6 +130,45 @@ impl<'q> PacketAsk<'q> {
         let low = kernel.bits(lanes.equal_u64s(self.found[0], nothing));
         let high = kernel.bits(lanes.equal_u64s(self.found[1], nothing));
         !(low | high << EIGHT) & 0xffff
+    }
+
+    /// What pieces of the rays of a half, or surfaces that they meet (with no `far`), say to the question, as [`Ask::meet`]. Gives
+    /// those that meet another surface at the same place: the first written is seen, and that is rare enough to be looked at alone.
+    #[inline(always)]
+    pub(super) fn meet<K: Kernel>(
+        &mut self,
+        kernel: K,
+        half: usize,
+        met: Mask<K::Lanes>,
+        (near, far): (Wide<K::Lanes>, Option<Wide<K::Lanes>>),
+        found: u64x8,
+    ) -> u32 {
+        let lanes = kernel.lanes();
+        let zero = Wide::splat(lanes, 0.0);
+        match self.question {
+            Question::Any => {
+                let mut hit = near.gt(zero);
+                if let Some(far) = far {
+                    hit = hit | (far.gt(zero) & far.lt(Wide::splat(lanes, f64::INFINITY)));
+                }
+                self.end(kernel.bits((met & hit).value) << (half * EIGHT));
+                0
+            }
+            _ => {
+                let best = Wide::new(lanes, self.best[half]);
+                let ahead = met & near.gt(zero);
+                let closer = ahead & near.lt(best);
+                let tie = ahead & near.equals(best);
+                if let Some(far) = far {
+                    let inside = met & near.le(zero) & far.gt(zero);
+                    self.end(kernel.bits(inside.value) << (half * EIGHT));
+                }
+                self.best[half] = closer.select(near, best).value;
+                self.found[half] = closer.select_bits(found, self.found[half]);
+                self.changes += u32::from(kernel.bits(closer.value) != 0);
+                kernel.bits(tie.value)
+            }
+        }
     }
 
     /// How much light comes to a ray.

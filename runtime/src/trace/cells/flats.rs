@@ -1,8 +1,9 @@
 //! The normals of flat faces that rays of a packet see, made several at once.
 
 use glam::DVec3;
+use pulp::Simd;
 
-use crate::lanes::{EIGHT, Kernel, Wide, Wide3};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide3};
 use crate::trace::Fragment;
 
 /// Fragments on flat faces, whose normals point outwards and have any length.
@@ -44,7 +45,6 @@ impl Flats {
 #[inline(always)]
 fn straighten<K: Kernel>(kernel: K, flats: &[Flat], fragments: &mut [Fragment]) {
     let lanes = kernel.lanes();
-    let (zero, one) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, 1.0));
     for flats in flats.chunks(EIGHT) {
         let (mut normals, mut directions) = ([[1.0; EIGHT]; 3], [[0.0; EIGHT]; 3]);
         for (lane, Flat { fragment, direction, .. }) in flats.iter().enumerate() {
@@ -53,15 +53,21 @@ fn straighten<K: Kernel>(kernel: K, flats: &[Flat], fragments: &mut [Fragment]) 
                 (normals[axis][lane], directions[axis][lane]) = (normal[axis], direction[axis]);
             }
         }
-        let normal = Wide3::of_arrays(lanes, normals);
-        let normal = normal * (one / normal.dot(normal).sqrt());
-        let away = kernel.bits(normal.dot(Wide3::of_arrays(lanes, directions)).gt(zero).value);
+        let (normal, away) = upright(Wide3::of_arrays(lanes, normals), Wide3::of_arrays(lanes, directions));
+        let away = kernel.bits(away.value);
         for (lane, Flat { fragment, turned, .. }) in flats.iter().enumerate() {
             let turned = turned.unwrap_or(away >> lane & 1 == 1);
             let normal = normal.lane(lane);
             fragments[*fragment].normal = if turned { -normal } else { normal };
         }
     }
+}
+
+/// Normals of length 1, and which of them point to where rays of these directions go.
+#[inline(always)]
+pub(super) fn upright<S: Simd>(normal: Wide3<S>, direction: Wide3<S>) -> (Wide3<S>, Mask<S>) {
+    let normal = normal * (normal.x.all(1.0) / normal.dot(normal).sqrt());
+    (normal, normal.dot(direction).gt(normal.x.all(0.0)))
 }
 
 #[cfg(test)]

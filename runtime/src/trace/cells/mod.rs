@@ -22,6 +22,7 @@ mod deep;
 mod draft;
 mod ending;
 mod flats;
+mod glance;
 mod measure;
 mod merge;
 mod packet;
@@ -43,7 +44,7 @@ pub use store::Counts;
 use glam::DVec3;
 
 use self::ask::{Ask, Found, Girth, NONE, Notes, Question};
-use self::boxes::{BoxRay, lanes_of};
+use self::boxes::BoxRay;
 use self::cell::{Cell, Grain};
 use self::company::{Packet, PacketAsk, RAYS, Start};
 use self::packet::{PacketScratch, PacketSearch};
@@ -51,11 +52,11 @@ use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
 use self::traverse::{Passage, Scratch, Start as Beginning, Tracing};
-use super::{Beam, RayFault, Seen, Site, SurfaceBeam, Tracer};
+use super::{BareMaterials, Beam, Glances, RayFault, Seen, ShadowRays, Site, SurfaceBeam, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
-use crate::lanes::{Kernel, Task, dispatch};
+use crate::lanes::{Kernel, Task, dispatch, lanes_of};
 use crate::limits::Limits;
 
 /// The number of the scene's state in every generation, and of the state that a generation apart begins with.
@@ -129,9 +130,25 @@ impl Tracer for CellTracer<'_> {
     }
 
     fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let leaves =
+            |number: usize| normals.get(number).is_some_and(|it| it.dot(beams[number].beam.ray.direction) > 0.0);
         light.clear();
         light.reserve(beams.len());
-        dispatch(Light { tracer: self, beams, normals, light })
+        let beam = |number: usize| beams[number].beam();
+        dispatch(Light { tracer: self, beams: Numbered { count: beams.len(), beam, leaves }, light })
+    }
+
+    fn glance(&self, beams: &[Beam], bare: &BareMaterials, glances: &mut Glances) -> Result<(), RayFault> {
+        glances.clear();
+        dispatch(glance::Glance { tracer: self, beams, bare, glances })
+    }
+
+    fn light_on_bare(&self, rays: &ShadowRays, glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let beam = |number: usize| (rays.beams[number], Some(glances.site(rays.from[number] as usize)));
+        let leaves = |number: usize| rays.leaving[number];
+        light.clear();
+        light.reserve(rays.beams.len());
+        dispatch(Light { tracer: self, beams: Numbered { count: rays.beams.len(), beam, leaves }, light })
     }
 
     fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
@@ -190,28 +207,35 @@ impl<B: Start> Task for Look<'_, '_, B> {
     }
 }
 
-struct Light<'a, 's> {
+/// Shadow rays by their numbers.
+struct Numbered<B, L> {
+    count: usize,
+    /// The beam, and the surface that it starts on.
+    beam: B,
+    /// Whether it is known to leave that on the side of its normal.
+    leaves: L,
+}
+
+struct Light<'a, 's, B, L> {
     tracer: &'a CellTracer<'s>,
-    beams: &'a [SurfaceBeam],
-    /// The normals of the surfaces that they start on, if they are known.
-    normals: &'a [DVec3],
+    beams: Numbered<B, L>,
     light: &'a mut Vec<f64>,
 }
 
-impl Task for Light<'_, '_> {
+impl<'a, B: Fn(usize) -> (Beam, Option<&'a Site>), L: Fn(usize) -> bool> Task for Light<'_, '_, B, L> {
     type Output = Result<(), RayFault>;
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, beams, normals, light } = self;
-        while light.len() < beams.len() {
+        let Self { tracer, beams: Numbered { count, beam, leaves }, light } = self;
+        while light.len() < count {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            while light.len() < beams.len() {
+            while light.len() < count {
                 let start = light.len();
-                let end = beams.len().min(start + RAYS);
+                let (beam, leaves) = (|it: usize| beam(start + it), |it: usize| leaves(start + it));
                 caster
-                    .light_all(&beams[start..end], normals.get(start..end).unwrap_or_default(), light)
+                    .light_all(&Numbered { count: RAYS.min(count - start), beam, leaves }, light)
                     .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
@@ -295,7 +319,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// What the beams of a packet see.
     #[inline(always)]
     fn look_all<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
-        let packet = Packet::new(self.tracing.kernel, beams);
+        let packet = Packet::new(self.tracing.kernel, beams.len(), |it| beams[it].beam());
         let mut ask = PacketAsk::new(Question::Nearest, &packet);
         if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
             return self.look_each(beams, seen);
@@ -405,31 +429,36 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
 
     /// How much light comes to the beams of a packet.
     #[inline(always)]
-    fn light_all(&mut self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let packet = Packet::new(self.tracing.kernel, beams);
+    fn light_all<'b, B, L>(&mut self, beams: &Numbered<B, L>, light: &mut Vec<f64>) -> Result<(), RayFault>
+    where
+        B: Fn(usize) -> (Beam, Option<&'b Site>),
+        L: Fn(usize) -> bool,
+    {
+        let Numbered { count, beam, leaves } = beams;
+        let packet = Packet::new(self.tracing.kernel, *count, beam);
         let mut ask = PacketAsk::new(Question::Any, &packet);
-        ask.leaving = leaving(beams, normals);
-        if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
-            return self.light_each(beams, ask.leaving, light);
+        ask.leaving = (0..*count).fold(0, |bits, number| bits | u32::from(leaves(number)) << number);
+        if *count == 1 || !self.ask_together(&mut ask, &packet) {
+            return (0..*count).try_for_each(|number| {
+                let left = self.light_of(beam(number), leaves(number));
+                light.push(left.map_err(|fault| RayFault { ray: number, fault })?);
+                Ok(())
+            });
         }
-        light.extend((0..beams.len()).map(|ray| ask.light(ray)));
+        light.extend((0..*count).map(|ray| ask.light(ray)));
         Ok(())
     }
 
     #[cold]
     #[inline(never)]
-    fn light_each(&mut self, beams: &[SurfaceBeam], leaving: u32, light: &mut Vec<f64>) -> Result<(), RayFault> {
-        for (number, it) in beams.iter().enumerate() {
-            let mut notes = self.new_notes();
-            let mut ask = Ask::new(Question::Any, Some(&it.from), Girth::of(&it.beam), &mut notes);
-            ask.leaving = leaving >> number & 1 == 1;
-            let asked = self.ask_alone(&mut ask, &it.beam.ray);
-            let left = if ask.over { 0.0 } else { ask.loss.left() };
-            self.notes = notes;
-            asked.map_err(|fault| RayFault { ray: number, fault })?;
-            light.push(left);
-        }
-        Ok(())
+    fn light_of(&mut self, (beam, from): (Beam, Option<&Site>), leaves: bool) -> Result<f64, Fault> {
+        let mut notes = self.new_notes();
+        let mut ask = Ask::new(Question::Any, from, Girth::of(&beam), &mut notes);
+        ask.leaving = leaves;
+        let asked = self.ask_alone(&mut ask, &beam.ray);
+        let left = if ask.over { 0.0 } else { ask.loss.left() };
+        self.notes = notes;
+        asked.map(|()| left)
     }
 
     /// Asks along the beams of a packet. If one of them has met a fault, or there is no room for a cell of the scene, they
@@ -496,11 +525,4 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let mut scratch = Scratch::default();
         self.tracing.search(&apart, &mut scratch, ask, Beginning { cell, passage })
     }
-}
-
-/// The beams that go away from the surfaces that they start on, one bit each, as far as their normals tell.
-#[inline(always)]
-fn leaving(beams: &[SurfaceBeam], normals: &[DVec3]) -> u32 {
-    let leaves = |(beam, normal): (&SurfaceBeam, &DVec3)| normal.dot(beam.beam.ray.direction) > 0.0;
-    beams.iter().zip(normals).enumerate().fold(0, |bits, (number, it)| bits | u32::from(leaves(it)) << number)
 }

@@ -6,8 +6,10 @@
 use pulp::{Simd, f32x16};
 use smallvec::SmallVec;
 
+mod boolean;
+
 use super::ask::{Found, Mark, NONE, Notes, Question, start_part};
-use super::boxes::{BoxRays, Met, Node, Opened, WIDTH, lanes_of};
+use super::boxes::{BoxRays, Met, Node, Opened, WIDTH};
 use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::company::{Answer, Halves, Packet, PacketAsk, RAYS};
 use super::ending::{Met as Ended, ending};
@@ -17,9 +19,9 @@ use super::traverse::{Passage, SINGLE, Scratch, Start as Beginning, Tracing, is_
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Pierced, Shown};
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, negative16};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16};
 
-/// Rays that go on alone if no more are left.
+/// Rays that go on alone if no more are left, but into Booleans: there one ray takes as long as eight.
 const FEW: u32 = 2;
 
 /// The stacks of a search, kept from packet to packet.
@@ -133,7 +135,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         }
         frame.rays.boxes = BoxRays::new(kernel, &frame.rays.local, asking);
         frame.starting = 0;
-        for ray in lanes_of(asking) {
+        for ray in lanes_of(asking & packet.sited) {
             frame.start(ray, start_part(self.ask.from[ray], 0));
         }
         let searched = match self.enter(asking) {
@@ -172,15 +174,16 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             }
             let cell = frame.cell;
             self.count_step()?;
-            if rays.count_ones() <= FEW {
+            let named = what.named();
+            if rays.count_ones() <= FEW && !matches!(named, Named::Boolean(_)) {
                 self.go_alone(rays, what)?;
                 continue;
             }
-            match what.named() {
+            match named {
                 Named::Node(node) => self.node(&cell.nodes[node as usize], rays),
                 Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
                 Named::Instance(instance) => self.instance(instance, rays)?,
-                Named::Boolean(_) => self.go_alone(rays, what)?,
+                Named::Boolean(boolean) => self.boolean(boolean, rays)?,
             }
         }
         Ok(())
@@ -550,50 +553,23 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         let kernel = self.tracing.kernel;
         let lanes = kernel.lanes();
-        let zero = Wide::splat(lanes, 0.0);
         let mark = Found::new(Mark { trail: frame.way.trail, part: leaf.part, face: 0 }, false);
-        let (mut over, mut nearer, mut ties, mut odd) = (0, 0, 0, 0);
+        let mut apart = 0;
         for half in 0..2 {
             let rays = rays >> (half * EIGHT) & 0xff;
             if rays == 0 {
                 continue;
             }
             let local = &frame.rays.local[half];
-            let pieces = convex.pieces(lanes, &local.lines(&leaf.leaf_from_cell));
+            let pieces = convex.pieces(lanes, &local.lines(leaf));
             let asking = Mask::new(lanes, kernel.mask(rays));
-            odd |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
-            let met = pieces.met & asking;
+            apart |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
             let near = local.world(pieces.near.t);
-            match self.ask.question {
-                Question::Any => {
-                    let mut hit = near.gt(zero);
-                    if leaf.solid {
-                        let far = local.world(pieces.far.t);
-                        hit = hit | (far.gt(zero) & far.lt(Wide::splat(lanes, f64::INFINITY)));
-                    }
-                    over |= kernel.bits((met & hit).value) << (half * EIGHT);
-                }
-                _ => {
-                    let best = Wide::new(lanes, self.ask.best[half]);
-                    let ahead = met & near.gt(zero);
-                    let closer = ahead & near.lt(best);
-                    let tie = ahead & near.equals(best);
-                    if leaf.solid {
-                        let inside = met & near.le(zero) & local.world(pieces.far.t).gt(zero);
-                        over |= kernel.bits(inside.value) << (half * EIGHT);
-                    }
-                    let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
-                    self.ask.best[half] = closer.select(near, best).value;
-                    self.ask.found[half] = closer.select_bits(found, self.ask.found[half]);
-                    nearer |= kernel.bits(closer.value);
-                    ties |= kernel.bits(tie.value) << (half * EIGHT);
-                }
-            }
+            let far = if leaf.solid { Some(local.world(pieces.far.t)) } else { None };
+            let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
+            apart |= self.ask.meet(kernel, half, pieces.met & asking, (near, far), found) << (half * EIGHT);
         }
-        self.ask.end(over);
-        self.ask.changes += u32::from(nearer != 0);
-        // Of two surfaces at one place the first written is seen: rare enough to be looked at alone.
-        odd | ties
+        apart
     }
 
     /// Rays that look at a leaf one by one.

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use pulp::{Simd, f64x8};
 
 use super::ask::Girth;
+use super::cell::Leaf;
 use crate::abstraction;
 use crate::geometry::{Aabb, Lines, Ray};
 use crate::lanes::{EIGHT, One, Wide, Wide3};
@@ -57,7 +58,7 @@ impl Inwards {
         let similar = [rest.x_axis, rest.y_axis, rest.z_axis].iter().all(|it| it.abs().max_element() <= 1e-12 * size);
         let (stretch, shrink) = (size.sqrt(), 1.0 / size.sqrt());
         let similar = similar && stretch > 0.0 && shrink > 0.0;
-        let straight = matrix == DMat3::from_diagonal(DVec3::splat(matrix.x_axis.x)) && matrix.x_axis.x > 0.0;
+        let straight = is_straight(&matrix);
         let (stretch, shrink) = if similar { (stretch, shrink) } else { (0.0, 0.0) };
         let back = matrix.inverse();
         let unit = if similar { shrink } else { abstraction::stretch(&back) };
@@ -81,6 +82,11 @@ impl Inwards {
     pub(super) fn is_straight(&self) -> bool {
         self.straight
     }
+}
+
+/// Whether a matrix keeps all directions.
+pub(super) fn is_straight(matrix: &DMat3) -> bool {
+    *matrix == DMat3::from_diagonal(DVec3::splat(matrix.x_axis.x)) && matrix.x_axis.x > 0.0
 }
 
 /// How places on a ray in an inner frame are places on it in the outer one: `shift + t * scale`.
@@ -215,10 +221,9 @@ impl Local {
 
     /// The same line in the frame of a primitive, as a lane alone.
     #[inline(always)]
-    pub(super) fn lines(&self, inner_from_outer: &DAffine3) -> Lines<One> {
+    pub(super) fn lines(&self, leaf: &Leaf) -> Lines<One> {
         let one = One::new();
-        let origin = Wide3::splat(one, self.origin).mapped(inner_from_outer);
-        Lines { origin, direction: Wide3::splat(one, self.direction).turned(&inner_from_outer.matrix3) }
+        lines(Wide3::splat(one, self.origin), Wide3::splat(one, self.direction), leaf)
     }
 
     /// The t of its own origin: where it is nearest to the centre of the cell.
@@ -296,10 +301,21 @@ impl<S: Simd> Locals<S> {
 
     /// The same lines in the frame of a primitive.
     #[inline(always)]
-    pub(super) fn lines(&self, inner_from_outer: &DAffine3) -> Lines<S> {
-        let origin = self.origin.mapped(inner_from_outer);
-        Lines { origin, direction: self.direction.turned(&inner_from_outer.matrix3) }
+    pub(super) fn lines(&self, leaf: &Leaf) -> Lines<S> {
+        lines(self.origin, self.direction, leaf)
     }
+}
+
+/// Lines in the frame of a leaf.
+#[inline(always)]
+fn lines<S: Simd>(origin: Wide3<S>, direction: Wide3<S>, leaf: &Leaf) -> Lines<S> {
+    let map = &leaf.leaf_from_cell;
+    if leaf.straight {
+        let size = origin.x.all(map.matrix3.x_axis.x);
+        let moved = Wide3::splat_like(size, map.translation);
+        return Lines { origin: origin * size + moved, direction: direction * size };
+    }
+    Lines { origin: origin.mapped(map), direction: direction.turned(&map.matrix3) }
 }
 
 impl<S: Simd<f64s = f64x8>> Locals<S> {

@@ -358,20 +358,18 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let Some(part) = cell.parts.get(mark.part as usize) else {
             return;
         };
-        let mut flat = None;
+        let mut undone = None;
         let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                match self.flat_normal(place, leaf, mark) {
+                match self.flat_normal(place, leaf, mark).or_else(|| self.round_normal(place, leaf, hit)) {
                     Some(outwards) => {
-                        flat = Some(leaf.solid.then(|| hit.found.is_flipped()));
+                        undone = Some(leaf.solid.then(|| hit.found.is_flipped()));
                         (outwards, 0.0, u32::from(mark.face))
                     }
                     None => {
-                        let (outwards, face) = self.shaped_normal(place, (leaf, part), mark, hit);
-                        let turned =
-                            if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
-                        (if turned { -outwards } else { outwards }, 0.0, face)
+                        let (normal, face) = self.shaped_normal(place, (leaf, part), mark, hit);
+                        (normal, 0.0, face)
                     }
                 }
             }
@@ -392,7 +390,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         if !cell.barks.is_empty() {
             self.stand_on_stem(place, mark.part, (hit.ray, hit.depth), seen);
         }
-        if let Some(turned) = flat {
+        if let Some(turned) = undone {
             self.flats.add(seen.fragments().len() - 1, hit.ray.direction, turned);
         }
     }
@@ -447,17 +445,32 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// A vector along the normal of a flat face of a convex primitive in the world, outwards. The frames of such primitives are such that nothing here is out of
     /// range ([`LeafShape::Convex`], [`near_one`]).
     #[inline(always)]
-    fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
+    pub(super) fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
         let LeafShape::Convex(convex) = leaf.shape else {
             return None;
         };
-        let normal = transposed(&leaf.leaf_from_cell.matrix3, convex.flat_normal(u32::from(mark.face))?);
-        Some(transposed(&place.cell_from_world, normal))
+        Some(outwards(place, leaf, convex.flat_normal(u32::from(mark.face))?))
     }
 
-    /// The normal in the world where a ray meets any other surface, and the face.
+    /// The same where a ray meets any face of a convex primitive.
+    #[inline(always)]
+    pub(super) fn round_normal(&self, place: &Place, leaf: &Leaf, hit: &Hit) -> Option<DVec3> {
+        let LeafShape::Convex(convex) = leaf.shape else {
+            return None;
+        };
+        let point = point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth);
+        Some(outwards(place, leaf, convex.normal(u32::from(hit.found.mark().face), point)))
+    }
+
+    /// The normal in the world where a ray meets any other surface, on the side that is seen, and the face.
     #[inline(never)]
-    fn shaped_normal(&self, place: &Place, (leaf, part): (&Leaf, &Part), mark: Mark, hit: &Hit) -> (DVec3, u32) {
+    pub(super) fn shaped_normal(
+        &self,
+        place: &Place,
+        (leaf, part): (&Leaf, &Part),
+        mark: Mark,
+        hit: &Hit,
+    ) -> (DVec3, u32) {
         let cell = self.cell_of(place);
         // What is cut by others is not carved.
         let cut = place.frozen || part.frozen;
@@ -467,7 +480,9 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let shown = cell.shown(leaf, width);
         let line = || line_in(&self.local(place, hit.ray), leaf, hit.depth);
         let face = cell.face(leaf, shown, mark.face, rough, line);
-        (self.normal(place, cell, (leaf, face), (shown, rough), hit), face)
+        let outwards = self.normal(place, cell, (leaf, face), (shown, rough), hit);
+        let turned = if leaf.solid { hit.found.is_flipped() } else { outwards.dot(hit.ray.direction) > 0.0 };
+        (if turned { -outwards } else { outwards }, face)
     }
 
     /// The normal of a leaf's face in the world: mapped by the transposed inverse of each map on the way (GT95, section 3),
@@ -526,6 +541,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 }
 
 impl Place<'_> {
+    /// The numbers of the parts on the way to the cell.
+    #[inline(always)]
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The numbers of the parts on the way to a part.
     #[inline(always)]
     pub(super) fn path_to(&self, part: u32) -> Path {
@@ -550,6 +571,12 @@ fn near_one(matrix: DMat3) -> DMat3 {
     }
     let factor = 1.0 / size;
     DMat3::from_cols(matrix.x_axis * factor, matrix.y_axis * factor, matrix.z_axis * factor)
+}
+
+/// A normal in the frame of a leaf as a vector of the world.
+#[inline(always)]
+fn outwards(place: &Place, leaf: &Leaf, normal: DVec3) -> DVec3 {
+    transposed(&place.cell_from_world, transposed(&leaf.leaf_from_cell.matrix3, normal))
 }
 
 /// A vector mapped by a transposed matrix.

@@ -7,7 +7,7 @@ use super::ROOT;
 use super::ask::{Ask, Event, Girth, Mark, NONE, Question, Veil};
 use super::begun::Stacks;
 use super::boolean::{Pieces, Place};
-use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, lanes_of, meet};
+use super::boxes::{BoxRay, Met, Node, Opened, WIDTH, meet};
 use super::cell::{Boolean, Cell, ENDED, Grain, Instance, Leaf, LeafShape, Named, Ref};
 use super::deep::deeper;
 use super::ending::{Met as Ended, ending, veil};
@@ -16,7 +16,7 @@ use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Shown, Side};
-use crate::lanes::{Kernel, One};
+use crate::lanes::{Kernel, One, lanes_of};
 use crate::texture::{Rough, Roughs};
 use crate::trace::Site;
 
@@ -533,7 +533,7 @@ fn face_started_on(cell: &Cell, leaf: &Leaf, shown: &Shown<'_>, line: &Ray, face
 
 #[inline(always)]
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
-    let lines = || ray.lines(&leaf.leaf_from_cell);
+    let lines = || ray.lines(leaf);
     let pieces = match (leaf.shape, shown(cell, leaf, ray, ask.girth)) {
         (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
         (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.pieces(One::new(), &lines()),

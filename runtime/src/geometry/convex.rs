@@ -115,6 +115,7 @@ impl Convex {
     }
 
     /// A vector along the outward normal of a face, not of length 1.
+    #[inline(always)]
     fn outwards(&self, face: u32, point: DVec3) -> DVec3 {
         match *self {
             Self::Ball => point,

@@ -445,7 +445,9 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
                 Ok(())
             });
         }
-        light.extend((0..*count).map(|ray| ask.light(ray)));
+        for ray in 0..*count {
+            light.push(ask.light(ray));
+        }
         Ok(())
     }
 

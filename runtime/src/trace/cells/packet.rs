@@ -24,6 +24,9 @@ use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16};
 /// Rays that go on alone if no more are left, but into Booleans: there one ray takes as long as eight.
 const FEW: u32 = 2;
 
+/// Cells inside one another that most rays go into.
+const USUAL: usize = 8;
+
 /// The stacks of a search, kept from packet to packet.
 pub(super) struct PacketScratch<'g, K: Kernel> {
     /// The cells that the rays are in, and room for more: a frame is large, and is filled where it stands.
@@ -37,7 +40,9 @@ pub(super) struct PacketScratch<'g, K: Kernel> {
 
 impl<K: Kernel> Default for PacketScratch<'_, K> {
     fn default() -> Self {
-        Self { frames: Vec::new(), depth: 0, ahead: Vec::new(), alone: Scratch::default() }
+        // Frames are large: most searches have room from the beginning, and none is moved.
+        let (frames, ahead) = (Vec::with_capacity(USUAL), Vec::with_capacity(USUAL * WIDTH));
+        Self { frames, depth: 0, ahead, alone: Scratch::default() }
     }
 }
 

@@ -115,7 +115,10 @@ fn a_beam_goes_on_from_a_mirror_as_wide_as_it_came_and_grows_as_before() {
     // One tile, so that the beams come in one order.
     render(&scene, &noting, &RenderOptions { tile: SIZE, ..RenderOptions::default() }, &()).unwrap();
     let (before, after) = (noting.from_camera.into_inner().unwrap(), noting.from_mirrors.into_inner().unwrap());
-    assert_eq!((before.len(), after.len()), ((SIZE * SIZE) as usize, (SIZE * SIZE) as usize));
+    // Some beams before those of the picture have found out whether the eye stands on a surface.
+    let pixels = (SIZE * SIZE) as usize;
+    let before = &before[before.len() - pixels..];
+    assert_eq!(after.len(), pixels);
     for (before, after) in before.iter().zip(&after) {
         let t = -before.ray.origin.z / before.ray.direction.z;
         assert!((before.ray.at(t) - after.ray.origin).length() < 1e-12);

@@ -89,9 +89,9 @@ impl Pierced for Convex {
 }
 
 impl Convex {
-    /// Whether a ray that starts on a face leaves the solid for good: it goes out of a convex solid, and so never meets it again.
+    /// Whether a ray that starts on a face never meets it again: it goes out of a convex solid, or what it starts on is flat.
     pub(crate) fn is_left_by(&self, face: u32, ray: &Ray) -> bool {
-        self.is_solid() && self.outwards(face, ray.origin).dot(ray.direction) > 0.0
+        !self.is_solid() || self.outwards(face, ray.origin).dot(ray.direction) > 0.0
     }
 
     /// A vector along the normal of a face, outwards, not of length 1, if it is the same all over the face. A triangle's is up.

@@ -21,33 +21,29 @@ impl Painter<'_> {
 
     fn fill(&mut self, rect: Rect, rows: &mut Rows<'_>) -> Result<(), Stop> {
         let order = std::mem::take(&mut self.desk.order);
-        let inside = order.iter().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
-        let filled = self.fill_at(rect, inside, rows);
+        let filled = if rect.width == self.desk.side && rect.height == self.desk.side {
+            self.fill_at(rect, &order, rows)
+        } else {
+            // At the edge of the picture.
+            let inside = order.iter().copied().filter(|(dx, dy)| *dx < rect.width && *dy < rect.height);
+            self.fill_at(rect, &inside.collect::<Vec<_>>(), rows)
+        };
         self.desk.order = order;
         filled
     }
 
     /// Fills in the pixels at these places of a rectangle.
-    fn fill_at<'p>(
-        &mut self,
-        rect: Rect,
-        mut places: impl Iterator<Item = &'p (u32, u32)>,
-        rows: &mut Rows<'_>,
-    ) -> Result<(), Stop> {
-        loop {
+    fn fill_at(&mut self, rect: Rect, places: &[(u32, u32)], rows: &mut Rows<'_>) -> Result<(), Stop> {
+        for places in places.chunks(BATCH) {
             self.begin_batch();
-            for (column, row) in places.by_ref().take(BATCH) {
-                let pixel = (rect.x + column, rect.y + row);
-                self.desk.keys.push(Key { slot: 0, pixel, sample: 0 });
-                self.desk.points.push(through(pixel, DVec2::ZERO));
-            }
-            if self.desk.keys.is_empty() {
-                return Ok(());
-            }
+            let pixel = |(column, row): &(u32, u32)| (rect.x + column, rect.y + row);
+            self.desk.keys.extend(places.iter().map(|it| Key { slot: 0, pixel: pixel(it), sample: 0 }));
+            self.desk.points.extend(places.iter().map(|it| through(pixel(it), DVec2::ZERO)));
             let by_columns = self.shade()?;
-            for (key, color) in self.desk.keys.iter().zip(self.desk.scratch.colors(by_columns)) {
-                rows.put(key.pixel.0 - rect.x, key.pixel.1 - rect.y, *color);
+            for ((column, row), color) in places.iter().zip(self.desk.scratch.colors(by_columns)) {
+                rows.put(*column, *row, *color);
             }
         }
+        Ok(())
     }
 }

@@ -11,7 +11,7 @@ use super::ROOT;
 use super::ask::{Ask, Mark, NONE};
 use super::begun::{Begun, Gathering, Inside, Operation, Stacks};
 use super::boxes::BoxRay;
-use super::cell::{Boolean, Cell, Grain, Instance, Leaf, LeafShape, Named, Ref, Union};
+use super::cell::{Boolean, Cell, Grain, Instance, Leaf, Named, Ref, Union};
 use super::deep::deeper;
 use super::ray::{Local, Steps};
 use super::store::{Generation, led_by};
@@ -332,7 +332,7 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         // A Boolean that a ray goes through is not asked at all.
         let from = if leaf.part == place.from { self.ask.start_face() } else { None };
         let mark = |face| Mark { trail: place.trail, part: leaf.part, face: leaf.marked(face) };
-        if let (LeafShape::Convex(convex), None, true) = (leaf.shape, from, place.ray.is_tame()) {
+        if let (Some(convex), None, true) = (place.cell.convex(leaf), from, place.ray.is_tame()) {
             let pieces = convex.pieces(One::new(), &place.ray.lines(leaf));
             if !pieces.odd.value {
                 let end =

@@ -186,7 +186,7 @@ impl Layout<'_, '_, '_> {
     /// What a leaf is in its own frame, and the way there.
     fn leaf_shape(&mut self, primitive: Primitive, leaf_from_cell: DAffine3) -> (DAffine3, LeafShape) {
         if let Some((leaf_from_cell, convex)) = tame(&primitive, &leaf_from_cell) {
-            return (leaf_from_cell, LeafShape::Convex(convex));
+            return (leaf_from_cell, LeafShape::Convex(self.convex(convex)));
         }
         let number = self.cell.others.len() as u32;
         let is_hull = primitive.hull().is_some_and(|it| is_tame(it.reach(), &leaf_from_cell));
@@ -199,6 +199,14 @@ impl Layout<'_, '_, '_> {
         };
         self.cell.others.push(primitive);
         (leaf_from_cell, shape)
+    }
+
+    /// The number of a convex primitive. That of the one before serves again where they are alike.
+    fn convex(&mut self, convex: Convex) -> u32 {
+        if self.cell.convexes.last() != Some(&convex) {
+            self.cell.convexes.push(convex);
+        }
+        self.cell.convexes.len() as u32 - 1
     }
 
     fn instance(&mut self, way: &Way, state: u32, origin: Origin) -> Result<(Ref, Aabb), Fault> {

@@ -66,6 +66,8 @@ pub(super) struct Cell {
     pub(super) nodes: Vec<Node>,
     /// The primitives.
     pub(super) leaves: Vec<Leaf>,
+    /// What those are that are convex: many are alike.
+    pub(super) convexes: Vec<Convex>,
     /// Those primitives that are no convex ones.
     pub(super) others: Vec<Primitive>,
     /// The cells inside.
@@ -153,24 +155,28 @@ impl Ref {
     }
 }
 
-/// A primitive in a cell.
+/// A primitive in a cell. It fills two lines of the processor's cache: where all cells together are large, it is waited for.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(super) struct Leaf {
     pub(super) leaf_from_cell: DAffine3,
-    /// Whether that keeps all directions, as [`Inwards`](super::ray::Inwards) may.
-    pub(super) straight: bool,
     pub(super) shape: LeafShape,
-    /// Whether it has an inside.
-    pub(super) solid: bool,
     /// Its number.
     pub(super) part: u32,
+    /// Whether the way to its frame keeps all directions, as [`Inwards`](super::ray::Inwards) may.
+    pub(super) straight: bool,
+    /// Whether it has an inside.
+    pub(super) solid: bool,
 }
+
+const _: () = assert!(size_of::<Leaf>() == 128);
 
 /// What a [`Leaf`] is in its own frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LeafShape {
-    /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared.
-    Convex(Convex),
+    /// A convex primitive, in a frame where rays that are tame in the cell have numbers that can be squared: its number among
+    /// [`Cell::convexes`].
+    Convex(u32),
     /// A convex set, in such a frame: its number among [`Cell::others`].
     Hull(u32),
     /// A mesh: its number among [`Cell::others`].
@@ -187,6 +193,7 @@ impl Default for Cell {
             unions: Vec::new(),
             nodes: Vec::new(),
             leaves: Vec::new(),
+            convexes: Vec::new(),
             others: Vec::new(),
             instances: Vec::new(),
             booleans: Vec::new(),
@@ -231,7 +238,7 @@ impl Cell {
     /// Calls `ask` with a leaf as a primitive.
     pub(super) fn with_primitive<T>(&self, leaf: &Leaf, ask: impl FnOnce(&Primitive) -> T) -> T {
         match leaf.shape {
-            LeafShape::Convex(convex) => ask(&convex.primitive()),
+            LeafShape::Convex(number) => ask(&self.convexes[number as usize].primitive()),
             LeafShape::Hull(number) | LeafShape::Mesh(number) | LeafShape::Other(number) => {
                 ask(&self.others[number as usize])
             }
@@ -277,6 +284,15 @@ impl Cell {
     pub(super) fn shown(&self, leaf: &Leaf, width: impl FnOnce(DVec3) -> f64) -> Option<Shown<'_>> {
         let set = self.set(leaf)?;
         Some(if set.has_levels() { set.shown(set.detail(width(set.center()))) } else { set.whole() })
+    }
+
+    /// A leaf that is a convex primitive.
+    #[inline(always)]
+    pub(super) fn convex(&self, leaf: &Leaf) -> Option<&Convex> {
+        match leaf.shape {
+            LeafShape::Convex(number) => Some(&self.convexes[number as usize]),
+            LeafShape::Hull(_) | LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_) => None,
+        }
     }
 
     /// A leaf that is a convex set.
@@ -358,10 +374,16 @@ pub(super) struct Frame {
 }
 
 impl Leaf {
-    /// Whether a ray that starts on it and goes to the side to which its normal points there never meets it again.
+    /// Which of some rays that start on it never meet it again, if those of them that are `leaving` go to the side to which its normal points
+    /// there. There may be others that do not, either.
     #[inline(always)]
-    pub(super) fn is_left_by_all_leaving(&self) -> bool {
-        self.solid && matches!(self.shape, LeafShape::Convex(_))
+    pub(super) fn left_by(&self, rays: u32, leaving: u32) -> u32 {
+        match self.shape {
+            LeafShape::Convex(_) if self.solid => rays & leaving,
+            // It is flat.
+            LeafShape::Convex(_) => rays,
+            LeafShape::Hull(_) | LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_) => 0,
+        }
     }
 
     /// A face as marks tell it: those of a convex set or of a mesh they do not tell apart.
@@ -436,6 +458,7 @@ impl Cell {
         self.unions.shrink_to_fit();
         self.nodes.shrink_to_fit();
         self.leaves.shrink_to_fit();
+        self.convexes.shrink_to_fit();
         self.others.shrink_to_fit();
         self.instances.shrink_to_fit();
         self.booleans.shrink_to_fit();
@@ -459,6 +482,7 @@ impl Cell {
             + size_of_val(&*self.unions)
             + size_of_val(&*self.nodes)
             + size_of_val(&*self.leaves)
+            + size_of_val(&*self.convexes)
             + self.others.iter().map(|it| size_of_val(it) + it.bytes_apart()).sum::<usize>()
             + size_of_val(&*self.instances)
             + size_of_val(&*self.booleans)

@@ -19,7 +19,7 @@ use super::traverse::{Passage, SINGLE, Scratch, Start as Beginning, Tracing, is_
 use crate::fault::Fault;
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{Pierced, Shown};
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16};
+use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16, select16};
 
 /// Rays that go on alone if no more are left, but into Booleans: there one ray takes as long as eight.
 const FEW: u32 = 2;
@@ -55,11 +55,13 @@ struct Frame<'g, K: Kernel> {
     starting: u32,
     /// and which.
     from: [u32; RAYS],
-    /// The rays whose numbers are too large for squares.
+    /// The rays that went into the cell. In the lanes of others stands anything.
+    inside: u32,
+    /// Those whose numbers are too large for squares.
     wild: u32,
     /// As of when `rays.to` is.
     changes: u32,
-    /// The least of where the rays begin, and the greatest of where nothing more is of interest.
+    /// The least of where the rays inside begin, and the greatest of where nothing more is of interest.
     from_least: f32,
     to_most: f32,
 }
@@ -250,9 +252,11 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let (near, tame) = (below(kernel, squares, NEAR), below(kernel, squares, TAME));
         let zero = Wide::splat(lanes, 0.0);
         let begin = [below_single(low.own(zero)), below_single(high.own(zero))];
-        frame.rays.from = kernel.narrow(begin[0].value, begin[1].value);
+        let begin = kernel.narrow(begin[0].value, begin[1].value);
+        // Rays that are elsewhere begin behind all boxes.
+        frame.rays.from = select16(lanes, kernel.mask16(rays), begin, lanes.splat_f32s(f32::INFINITY));
         frame.from_least = -most(kernel, negative16(lanes, frame.rays.from));
-        frame.wild = !tame;
+        (frame.inside, frame.wild) = (rays, !tame);
         frame.renew(kernel, self.ask);
         let (cell, way) = (frame.cell, frame.way);
         self.tracing.check_depth(way.levels.saturating_add(cell.levels), way.called)?;
@@ -348,7 +352,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             return Ok(());
         };
         for half in 0..2 {
-            inner.rays.local[half] = outer.rays.local[half].entered(&instance.way).0;
+            if rays >> (half * EIGHT) & 0xff != 0 {
+                inner.rays.local[half] = outer.rays.local[half].entered(&instance.way).0;
+            }
         }
         let ended = rays & self.ask.wider(kernel, &inner.rays.local, instance.side * outer_way.unit);
         let mut rays = rays & !ended;
@@ -424,15 +430,22 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
     /// Ends those of the rays at an instance that are wider than it; gives the rest.
     #[inline(always)]
     fn end_alone(&mut self, number: u32, rays: u32) -> Result<u32, Stop> {
+        /// A place on a ray in a cell's own frame that is behind all in it.
+        const BEYOND: f64 = 4.0;
         let mut left = rays;
         for ray in lanes_of(rays) {
             let Some(frame) = self.scratch.last() else {
                 break;
             };
             let instance = &frame.cell.instances[number as usize];
-            let inner = frame.rays.local[ray / EIGHT].ray(ray % EIGHT).entered(&instance.way).0;
-            let wider = instance.side * frame.way.unit < self.ask.girth(ray).at(inner.start());
-            if wider && self.end(number, &[(ray, inner)])? == 0 {
+            let (side, girth) = (instance.side * frame.way.unit, self.ask.girth(ray));
+            let outer = frame.rays.local[ray / EIGHT].ray(ray % EIGHT);
+            // Most are not, and are not even where they leave the cell.
+            if side >= girth.at(outer.world(BEYOND)) {
+                continue;
+            }
+            let inner = outer.entered(&instance.way).0;
+            if side < girth.at(inner.start()) && self.end(number, &[(ray, inner)])? == 0 {
                 left &= !(1 << ray);
             }
         }
@@ -496,7 +509,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let starting = rays & frame.starting;
         if starting != 0 {
             let here = starting & frame.starts_on(self.tracing.kernel, leaf.part);
-            let left = if leaf.is_left_by_all_leaving() { here & self.ask.leaving } else { 0 };
+            let left = leaf.left_by(here, self.ask.leaving);
             rays &= !left;
             for ray in lanes_of(here & !left) {
                 let face = self.ask.from[ray].map(|it| it.face);
@@ -516,7 +529,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         apart &= rays;
         let together = rays & !apart;
         match leaf.shape {
-            LeafShape::Convex(convex) if together != 0 => apart |= self.convex(leaf, &convex, together),
+            LeafShape::Convex(number) if together != 0 => {
+                apart |= self.convex(leaf, &cell.convexes[number as usize], together);
+            }
             LeafShape::Hull(_) if together != 0 => {
                 if rough_set(&self.tracing.store.roughs, cell, leaf, frame.way.paint).is_some() {
                     apart = rays;
@@ -612,8 +627,8 @@ impl<'g, K: Kernel> Frame<'g, K> {
     fn blank(kernel: K, cell: &'g Cell, way: Way) -> Self {
         let zero = pulp::cast([0.0_f32; RAYS]);
         let rays = Rays { local: [Locals::blank(kernel.lanes()); 2], boxes: BoxRays::BLANK, from: zero, to: zero };
-        let (from, starting, wild, changes) = ([NONE; RAYS], 0, 0, 0);
-        Self { rays, cell, way, starting, from, wild, changes, from_least: 0.0, to_most: 0.0 }
+        let (from, starting, inside, wild, changes) = ([NONE; RAYS], 0, 0, 0, 0);
+        Self { rays, cell, way, starting, from, inside, wild, changes, from_least: 0.0, to_most: 0.0 }
     }
 
     /// A ray starts on (or in) a part of the cell.
@@ -647,7 +662,8 @@ impl<'g, K: Kernel> Frame<'g, K> {
         let [low, high] = &self.rays.local;
         let low = above_single(low.own(Wide::new(lanes, ask.best[0])));
         let high = above_single(high.own(Wide::new(lanes, ask.best[1])));
-        self.rays.to = kernel.narrow(low.value, high.value);
+        let (to, here) = (kernel.narrow(low.value, high.value), kernel.mask16(self.inside & ask.asking));
+        self.rays.to = select16(lanes, here, to, lanes.splat_f32s(f32::NEG_INFINITY));
         self.to_most = most(kernel, self.rays.to);
         self.changes = ask.changes;
     }

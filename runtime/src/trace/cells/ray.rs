@@ -77,6 +77,13 @@ impl Inwards {
         (length, any.all(1.0) / length)
     }
 
+    /// A matrix that leads to the outer frame, and then on to the inner one.
+    #[inline(always)]
+    pub(super) fn matrix_after(&self, outer: &DMat3) -> DMat3 {
+        let own = &self.inner_from_outer.matrix3;
+        if self.straight { *outer * own.x_axis.x } else { *own * *outer }
+    }
+
     /// Whether all directions stay what they are.
     #[inline(always)]
     pub(super) fn is_straight(&self) -> bool {

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 
 use super::ROOT;
 use super::ask::{Found, Girth, Mark, Notes};
-use super::cell::{Cell, ENDED, Grain, Leaf, LeafShape, Named, PART, Part};
+use super::cell::{Cell, ENDED, Grain, Leaf, Named, PART, Part};
 use super::ending::{Ending, solid};
 use super::flats::Flats;
 use super::measure::Measuring;
@@ -56,7 +56,8 @@ enum Root<'a> {
 
 /// A cell, and what has been collected on the way there.
 pub(super) struct Place<'g> {
-    trail: u32,
+    /// The trail there; none if it has been forgotten.
+    trail: Option<u32>,
     pub(super) cell: Held<'g>,
     /// The numbers of the parts on the way,
     path: Path,
@@ -185,9 +186,11 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
     }
 
-    /// Forgets where the last hit was: trails are about to be made anew.
+    /// Forgets by which trail the last hits were where they were: trails are about to be made anew.
     pub(super) fn forget(&mut self) {
-        (self.place, self.other) = (None, None);
+        for place in [&mut self.place, &mut self.other].into_iter().flatten() {
+            place.trail = None;
+        }
     }
 
     /// Adds what a ray sees, from front to back: the veils on the way and where it ends.
@@ -294,21 +297,43 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// Goes to the cell of a surface, if the last one was not in the same.
     #[inline(always)]
     pub(super) fn go(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
-        let is_elsewhere = |place: &Option<Box<Place>>| place.as_ref().is_none_or(|it| it.trail != mark.trail);
-        if is_elsewhere(&self.place) {
+        if self.place.as_ref().is_some_and(|it| it.trail == Some(mark.trail)) {
+            Ok(())
+        } else {
+            self.go_on(notes, mark)
+        }
+    }
+
+    /// Goes to another cell.
+    fn go_on(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
+        std::mem::swap(&mut self.place, &mut self.other);
+        if self.place.as_ref().is_some_and(|it| it.trail == Some(mark.trail)) {
+            return Ok(());
+        }
+        let mut way = notes.trails.path(mark);
+        way.pop();
+        let is_known = |place: &Option<Box<Place>>| place.as_ref().is_some_and(|it| it.is_at_end_of(&way));
+        // What was seen last is what is most often seen next, by a trail of another number.
+        if is_known(&self.other) {
             std::mem::swap(&mut self.place, &mut self.other);
-            if is_elsewhere(&self.place) {
-                self.place = Some(Box::new(self.find(notes, mark)?));
+        }
+        match &mut self.place {
+            Some(place) if place.is_at_end_of(&way) => place.trail = Some(mark.trail),
+            Some(_) | None => {
+                let found = self.find(&way, mark.trail)?;
+                match &mut self.place {
+                    Some(place) => **place = found,
+                    None => self.place = Some(Box::new(found)),
+                }
             }
         }
         Ok(())
     }
 
-    fn find(&self, notes: &Notes, mark: Mark) -> Result<Place<'g>, Fault> {
-        let mut path = notes.trails.path(mark);
-        path.pop();
+    /// Where a way of these parts leads, which is a trail of this number.
+    fn find(&self, way: &[u32], trail: u32) -> Result<Place<'g>, Fault> {
         let mut place = Place {
-            trail: mark.trail,
+            trail: Some(trail),
             cell: self.held_root()?,
             path: Path::default(),
             length: 0,
@@ -319,7 +344,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             frozen: false,
             cell_from_world: DMat3::IDENTITY,
         };
-        for (depth, number) in path.iter().enumerate() {
+        for (depth, number) in way.iter().enumerate() {
             let cell = self.cell_of(&place);
             let Some(part) = cell.parts.get((number & PART) as usize) else {
                 break;
@@ -333,11 +358,12 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
                 if place.frozen { (place.route, true) } else { (place.route.then(part.route), part.frozen) };
             let material = part.material.or(place.material);
             let standing = part.material.is_some().then(|| Standing::of(cell, number & PART, depth));
-            let cell_from_world = near_one(instance.way.inner_from_outer.matrix3 * place.cell_from_world);
+            let cell_from_world = near_one(instance.way.matrix_after(&place.cell_from_world));
             if place.ways.len() == depth
                 && let Held::Kept(cell) = place.cell
+                && let Some((way, _)) = cell.way_into(number & PART)
             {
-                place.ways.extend(cell.way_into(number & PART).map(|it| it.0));
+                place.ways.push(way);
             }
             if let Some(standing) = standing {
                 place.standing = standing.map(Box::new);
@@ -346,8 +372,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             place.cell_from_world = cell_from_world;
             place.cell = self.inside(place.cell, Which::noted(*number, state))?;
         }
-        place.length = path.len();
-        place.path = Path::way(&path);
+        place.length = way.len();
+        place.path = Path::way(way);
         Ok(place)
     }
 
@@ -443,21 +469,17 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     }
 
     /// A vector along the normal of a flat face of a convex primitive in the world, outwards. The frames of such primitives are such that nothing here is out of
-    /// range ([`LeafShape::Convex`], [`near_one`]).
+    /// range ([`LeafShape::Convex`](super::cell::LeafShape::Convex), [`near_one`]).
     #[inline(always)]
     pub(super) fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
-        let LeafShape::Convex(convex) = leaf.shape else {
-            return None;
-        };
-        Some(outwards(place, leaf, convex.flat_normal(u32::from(mark.face))?))
+        let normal = self.cell_of(place).convex(leaf)?.flat_normal(u32::from(mark.face))?;
+        Some(outwards(place, leaf, normal))
     }
 
     /// The same where a ray meets any face of a convex primitive.
     #[inline(always)]
     pub(super) fn round_normal(&self, place: &Place, leaf: &Leaf, hit: &Hit) -> Option<DVec3> {
-        let LeafShape::Convex(convex) = leaf.shape else {
-            return None;
-        };
+        let convex = self.cell_of(place).convex(leaf)?;
         let point = point_in(&self.local(place, hit.ray), &leaf.leaf_from_cell, hit.depth);
         Some(outwards(place, leaf, convex.normal(u32::from(hit.found.mark().face), point)))
     }
@@ -545,6 +567,11 @@ impl Place<'_> {
     #[inline(always)]
     pub(super) fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether it is where a way of these parts leads.
+    fn is_at_end_of(&self, way: &[u32]) -> bool {
+        self.length == way.len() && self.path.starts_with(way)
     }
 
     /// The numbers of the parts on the way to a part.

@@ -452,7 +452,7 @@ pub(super) fn look_at(
 #[inline(always)]
 pub(super) fn leaf(ask: &mut Ask, roughs: &Roughs, cell: &Cell, leaf: &Leaf, passage: &Passage) {
     if leaf.part == passage.from {
-        if ask.leaving && leaf.is_left_by_all_leaving() {
+        if leaf.left_by(1, u32::from(ask.leaving)) == 1 {
             return;
         }
         // The ray starts on it: t is counted from the start, so that the surface is met at exactly 0.
@@ -519,7 +519,7 @@ pub(super) fn is_left(cell: &Cell, leaf: &Leaf, ray: &Local, girth: Girth, face:
             let line = line();
             it.normal(face_started_on(cell, leaf, &it, &line, face)).dot(line.direction) > 0.0
         }),
-        (LeafShape::Convex(convex), Some(face)) => convex.is_left_by(face, &line()),
+        (LeafShape::Convex(number), Some(face)) => cell.convexes[number as usize].is_left_by(face, &line()),
         (LeafShape::Convex(_) | LeafShape::Hull(_), None)
         | (LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_), _) => false,
     }
@@ -535,7 +535,7 @@ fn face_started_on(cell: &Cell, leaf: &Leaf, shown: &Shown<'_>, line: &Ray, face
 fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
     let lines = || ray.lines(leaf);
     let pieces = match (leaf.shape, shown(cell, leaf, ray, ask.girth)) {
-        (LeafShape::Convex(convex), _) if ray.is_tame() => convex.pieces(One::new(), &lines()),
+        (LeafShape::Convex(number), _) if ray.is_tame() => cell.convexes[number as usize].pieces(One::new(), &lines()),
         (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.pieces(One::new(), &lines()),
         (LeafShape::Mesh(_), _) if ray.is_tame() => return meet_mesh(ask, cell, leaf, trail, ray),
         (

@@ -10,7 +10,7 @@ use super::{Frame, PacketSearch, Stop};
 use crate::geometry::{Pierced, Side};
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of};
 use crate::trace::cells::ask::{Found, Mark, NONE};
-use crate::trace::cells::cell::{Boolean, Cell, Leaf, LeafShape, Named, Ref};
+use crate::trace::cells::cell::{Boolean, Cell, Leaf, Named, Ref};
 use crate::trace::cells::ray::{Locals, TAME};
 
 /// How many pieces a lane has at most.
@@ -168,7 +168,7 @@ impl<K: Kernel> Eight<'_, K> {
     #[inline(always)]
     fn leaf(&self, leaf: &Leaf) -> Line<K::Lanes> {
         let lanes = self.kernel.lanes();
-        let LeafShape::Convex(convex) = leaf.shape else {
+        let Some(convex) = self.cell.convex(leaf) else {
             return Line::empty(lanes);
         };
         let pieces = convex.pieces(lanes, &self.local.lines(leaf));

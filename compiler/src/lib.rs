@@ -44,6 +44,7 @@ pub use vocabulary::Vocabulary;
 
 use std::collections::HashMap;
 
+use treegen_grammar::Unread;
 use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, Limits};
@@ -95,18 +96,19 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
         most_triangles,
     };
     let mut program = resolve::resolve(&input, &mut problems);
+    // What is found in the program may be as large as its trees.
+    let unread: Vec<Unread> = units.into_iter().map(|it| it.unread).collect();
     let vocabulary = program.vocabulary();
     check::check(&mut program, &mut problems);
     let counters = check::counters(&program);
-    let given = constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
+    let given =
+        constant::Given { seed: options.seed, limits: options.limits, units: unread.len(), problems: &problems };
     let mut constants = constant::Constants::find(&program, &vocabulary, given);
     let setting = scene::setting(&mut constants, &mut pictures::Pictures::new(loader, &sources));
     let found = constants.done();
     problems.extend(found.problems);
-    load::drop_consequences(&units, own, &mut problems);
-    settings::mark(&mut problems, units.len());
-    // What is lowered may be as large again.
-    drop(units);
+    load::drop_consequences(&unread, own, &mut problems);
+    settings::mark(&mut problems, unread.len());
     let scene = if problems.iter().any(Problem::is_error) {
         None
     } else {

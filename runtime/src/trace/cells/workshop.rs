@@ -231,7 +231,9 @@ impl<'a, 's> Workshop<'a, 's> {
         let before = bench.machine.operations();
         let group = store.expander.expand_with(&mut bench.machine, &state)?;
         store.has_expanded(group.items.len(), bench.machine.operations() - before)?;
-        let pieces = Arc::new(Piece::of_group(&mut |it| self.number(it), group));
+        let mut pieces = Piece::of_group(&mut |it| self.number(it), group);
+        pieces.shrink_to_fit();
+        let pieces = Arc::new(pieces);
         self.bench().keep(number, &pieces);
         Ok(pieces)
     }

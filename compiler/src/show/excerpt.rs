@@ -146,7 +146,7 @@ impl Excerpt {
 /// nothing is looked at between these.
 fn kept(text: &str, mut places: Vec<usize>) -> Vec<Range<usize>> {
     if text.len() <= LONG_LINE {
-        return vec![0..text.len()];
+        return std::iter::once(0..text.len()).collect();
     }
     let boundary = |at: usize| (at..text.len()).find(|it| text.is_char_boundary(*it)).unwrap_or(text.len());
     places.sort_unstable();

@@ -94,13 +94,11 @@ impl<'s> Findings<'s> {
         };
         let live = self.expander.live_slots(root.entry);
         let start = Walker::start(flow, &root, live);
-        // What is drawn in the scene itself is known here.
-        let own = if self.given.start.as_ref() == Some(&start) {
-            None
-        } else {
-            Run::new(flow, Rest::Wide, start.clone()).explore(&mut Walker::new(Formals::AsGiven))
-        };
-        let explored = if self.given.start.as_ref() == Some(&start) { &self.given.explored } else { &own };
+        // What is drawn in the scene itself is known here, so it may begin elsewhere.
+        let is_given = self.given.start.as_ref() == Some(&start);
+        let explore = || Run::new(flow, Rest::Wide, start).explore(&mut Walker::new(Formals::AsGiven));
+        let own = if is_given { None } else { explore() };
+        let explored = if is_given { &self.given.explored } else { &own };
         let mut faults = Vec::new();
         if let Some(explored) = explored {
             faults.extend(uncovered(flow, explored, &self.limits));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use treegen_compiler::Mended;
 
 use crate::arguments::Check;
-use crate::compile::{compile, look};
+use crate::compile::{compile_and_follow, look};
 use crate::console::{Console, shown, shown_text};
 use crate::exit::Failure;
 use crate::files::MAX_BYTES;
@@ -27,8 +27,7 @@ pub fn check(arguments: Check, console: Console) -> Result<(), Failure> {
     }
     let warnings = supervise(&progress, Bar::new(console), move |_| {
         let limits = arguments.program.limits();
-        let understood = compile(&arguments.file, &arguments.program, limits, console)?;
-        understood.follow(&limits, console).map(|()| understood.warnings)
+        compile_and_follow(&arguments.file, &arguments.program, limits, console).map(|it| it.warnings)
     })?;
     console.tell(&match warnings {
         0 => format!("{name}: no mistakes found"),

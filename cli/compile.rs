@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use treegen_compiler::{Compiled, Options, Problem, Severity, Sources, Vocabulary};
+use treegen_compiler::{Compiled, Findings, Options, Problem, Severity, Sources, Vocabulary};
 use treegen_runtime::form::Scene;
 use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, FaultKind, Limits};
@@ -32,13 +32,33 @@ pub struct Understood {
 /// # Errors
 /// What is wrong with the file or with what it says.
 pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console) -> Result<Understood, Failure> {
+    understand(file, program, limits, console, |_| Vec::new())
+}
+
+/// The same, and looks for what will fail whatever is drawn.
+///
+/// # Errors
+/// As [`compile`], and all of that.
+pub fn compile_and_follow(
+    file: &Path,
+    program: &Program,
+    limits: Limits,
+    console: Console,
+) -> Result<Understood, Failure> {
+    understand(file, program, limits, console, |it| it.certain_faults())
+}
+
+fn understand(
+    file: &Path,
+    program: &Program,
+    limits: Limits,
+    console: Console,
+    follow: impl FnOnce(&Findings<'_>) -> Vec<Problem>,
+) -> Result<Understood, Failure> {
     let (files, mut compiled) = look(file, program, limits)?;
-    let idle = treegen_compiler::idle_rules(&compiled);
-    compiled.problems.extend(idle);
-    let vain = treegen_compiler::vain_solids(&compiled, &limits);
-    compiled.problems.extend(vain);
-    let unseen = treegen_compiler::unseen_segments(&compiled, &limits);
-    compiled.problems.extend(unseen);
+    let findings = Findings::of(&compiled, &limits);
+    let (warnings, faults) = (findings.warnings(), follow(&findings));
+    compiled.problems.extend(warnings);
     treegen_compiler::sort(&mut compiled.problems);
     let Compiled { sources, mut scene, mut problems, vocabulary, .. } = compiled;
     if program.deny == Some(Deny::Warnings) && !problems.is_empty() {
@@ -49,6 +69,9 @@ pub fn compile(file: &Path, program: &Program, limits: Limits, console: Console)
     match scene {
         Some(scene) => {
             console.warn(&words);
+            if !faults.is_empty() {
+                return Err(Failure::diagnostics(exit_of(&faults), console.words(&faults, &sources)));
+            }
             Ok(Understood { files, scene, sources, vocabulary, warnings: problems.len() })
         }
         None => Err(Failure::diagnostics(exit_of(&problems), words)),
@@ -67,18 +90,6 @@ pub fn look(file: &Path, program: &Program, limits: Limits) -> Result<(Files, Co
 }
 
 impl Understood {
-    /// Looks for what will fail whatever is drawn.
-    ///
-    /// # Errors
-    /// All of that.
-    pub fn follow(&self, limits: &Limits, console: Console) -> Result<(), Failure> {
-        let problems = treegen_compiler::certain_faults(&self.scene, limits, &self.vocabulary);
-        if problems.is_empty() {
-            return Ok(());
-        }
-        Err(Failure::diagnostics(exit_of(&problems), console.words(&problems, &self.sources)))
-    }
-
     /// The same program, whose shapes stop after so many rules, if a number is given.
     pub fn stopping_after(mut self, rules: Option<u64>) -> Self {
         if let Some(rules) = rules {

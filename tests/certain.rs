@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use common::compiled;
-use treegen_compiler::{Problem, certain_faults, problem_of_fault, show, unseen_segments, vain_solids};
+use treegen_compiler::{Findings, Problem, problem_of_fault, show};
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
@@ -17,8 +17,8 @@ use treegen_runtime::{Fault, Limits};
 /// What is certain of a program.
 fn certain(text: &str) -> Vec<Problem> {
     let compiled = compiled(text);
-    let scene = compiled.scene.as_ref().unwrap_or_else(|| panic!("{:?}", compiled.problems));
-    certain_faults(scene, &Limits::default(), &compiled.vocabulary)
+    assert!(compiled.scene.is_some(), "{:?}", compiled.problems);
+    Findings::of(&compiled, &Limits::default()).certain_faults()
 }
 
 /// What a small picture of a program fails with.
@@ -101,7 +101,7 @@ fn slab(floor_and_ceiling: &str) -> String {
 fn a_hull_with_nothing_in_it_is_warned_of() {
     let warned = |walk: &str| {
         let compiled = compiled(&slab(walk));
-        vain_solids(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
+        Findings::of(&compiled, &Limits::default()).vain_solids().iter().map(|it| it.code).collect::<Vec<_>>()
     };
     assert_eq!(warned("[ normal(1) ] [ move(0, 0, 3) rotx(180) normal(1) ]"), ["W0010"]);
     // A flat one, a thin one and a usual one have something in them.
@@ -118,7 +118,7 @@ fn a_hull_with_nothing_in_it_is_warned_of() {
 fn a_segment_that_is_always_left_out_is_warned_of() {
     let warned = |walk: &str| {
         let compiled = compiled(&format!("shape A(n = 0, len = 1) {{ start {walk} segment(1, .1, .1); }}"));
-        let found = unseen_segments(&compiled, &Limits::default());
+        let found = Findings::of(&compiled, &Limits::default()).unseen_segments();
         found.iter().map(|it| (it.code, compiled.sources.text(it.labels[0].span).to_owned())).collect::<Vec<_>>()
     };
     for walk in [
@@ -147,7 +147,7 @@ fn a_segment_that_is_always_left_out_is_warned_of() {
 fn a_solid_of_which_nothing_is_left_is_warned_of() {
     let warned = |solid: &str| {
         let compiled = compiled(&format!("scene {{ show {solid}; }}"));
-        vain_solids(&compiled, &Limits::default()).iter().map(|it| it.code).collect::<Vec<_>>()
+        Findings::of(&compiled, &Limits::default()).vain_solids().iter().map(|it| it.code).collect::<Vec<_>>()
     };
     for solid in [
         "sphere & move(2.1, 0, 0) sphere",

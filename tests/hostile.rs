@@ -7,7 +7,7 @@ mod common;
 mod ways;
 
 use common::compiled;
-use treegen_compiler::{Compiled, Problem, idle_rules};
+use treegen_compiler::{Compiled, Findings, Problem};
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -117,7 +117,8 @@ fn counters_that_skip_their_end_are_warned_of() {
         // Without an end that is told beforehand, if the values come again, or at the limit.
         let drawn = on_deep_stacks(|| traced(&text));
         assert!(if shrinks { drawn == "fine" } else { ["E0911", "E1011"].contains(&&*drawn) }, "{drawn}: {text}");
-        let warnings = idle_rules(&compiled(&text));
+        let compiled = compiled(&text);
+        let warnings = Findings::of(&compiled, &Limits::default()).idle_rules();
         let told: Vec<&str> = warnings.iter().map(|it| it.code).collect();
         let is_soon = start != "9007199254740993";
         assert_eq!(told, if is_soon { &["W0007"][..] } else { &[] }, "{text}");
@@ -130,7 +131,7 @@ fn counters_that_skip_their_end_are_warned_of() {
             "csg S {{ start T({start}); T(c) if c == {end} -> box; T(c) -> sphere | move(1, 0, 0) uscale(.5) T({step}); }}"
         );
         assert_outcomes(&[(&text, "fine")]);
-        assert!(idle_rules(&compiled(&text)).is_empty(), "{text}");
+        assert!(Findings::of(&compiled(&text), &Limits::default()).idle_rules().is_empty(), "{text}");
     }
 }
 

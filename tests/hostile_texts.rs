@@ -6,7 +6,7 @@
 mod common;
 
 use common::compiled;
-use treegen_compiler::{Compiled, certain_faults, idle_rules, problem_of_fault, show, show_json};
+use treegen_compiler::{Compiled, Findings, problem_of_fault, show, show_json};
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
 use treegen_runtime::trace::cells::{CellTracer, Culling};
@@ -215,9 +215,9 @@ fn systems_of_very_many_parts_are_drawn_or_meet_a_limit() {
         let found = outcome_of(&compiled);
         assert!(found == "fine" || found.starts_with("E09"), "{found}: {text:.80}");
         // What `check` says besides.
-        let scene = compiled.scene.as_ref().unwrap();
-        let faults = certain_faults(scene, &Limits::default(), &compiled.vocabulary);
-        assert!(idle_rules(&compiled).len() <= 100_000 && faults.is_empty(), "{faults:?}: {text:.80}");
+        let findings = Findings::of(&compiled, &Limits::default());
+        let faults = findings.certain_faults();
+        assert!(findings.idle_rules().len() <= 100_000 && faults.is_empty(), "{faults:?}: {text:.80}");
     }
     // As many values are too many.
     for text in [

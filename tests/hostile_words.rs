@@ -6,7 +6,7 @@ mod common;
 
 use common::compiled;
 use treegen_compiler::{
-    Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, certain_faults, compile, problem_of_fault, show,
+    Compiled, Findings, LoadError, Loaded, LoadedBytes, Loader, Options, compile, problem_of_fault, show,
 };
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
@@ -21,7 +21,7 @@ fn outcome(text: &str) -> String {
         return compiled.problems.iter().find(|it| it.is_error()).unwrap().code.to_owned();
     };
     let limits = Limits::default();
-    if let Some(certain) = certain_faults(scene, &limits, &compiled.vocabulary).first() {
+    if let Some(certain) = Findings::of(&compiled, &limits).certain_faults().first() {
         return certain.code.to_owned();
     }
     let options = RenderOptions { size: Some((8, 6)), samples: Some(1), ..RenderOptions::default() };

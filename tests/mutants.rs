@@ -12,8 +12,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use treegen_compiler::{
-    Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, Problem, certain_faults, compile, idle_rules,
-    problem_of_fault, show, show_json,
+    Compiled, Findings, LoadError, Loaded, LoadedBytes, Loader, Options, Problem, compile, problem_of_fault, show,
+    show_json,
 };
 use treegen_runtime::Limits;
 use treegen_runtime::picture::{RenderOptions, render};
@@ -237,15 +237,15 @@ fn try_it(text: &str, is_drawn: bool) -> Outcome {
     let limits = limits();
     let main = Loaded { name: "mutant.tg".into(), text: text.into() };
     let mut compiled = compile(main, &Gallery, &Options { limits, ..Options::default() });
-    let idle = idle_rules(&compiled);
-    compiled.problems.extend(idle);
+    let findings = Findings::of(&compiled, &limits);
+    let (warnings, faults) = (findings.warnings(), if is_drawn { findings.certain_faults() } else { Vec::new() });
+    compiled.problems.extend(warnings);
     let shown = show(&compiled.problems, &compiled.sources, false);
     assert!(shown.len() < 65_536 * 2 && !show_json(&compiled.problems, &compiled.sources).contains('\u{1b}'));
     let Some(scene) = &compiled.scene else { return Outcome::Refused(first_lines(&compiled), shown) };
     if !is_drawn {
         return Outcome::Drawn;
     }
-    let faults = certain_faults(scene, &limits, &compiled.vocabulary);
     if let Some(fault) = faults.first() {
         return Outcome::Refused(lines(fault, &compiled), show(&faults, &compiled.sources, false));
     }

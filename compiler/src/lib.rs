@@ -44,6 +44,7 @@ pub use vocabulary::Vocabulary;
 
 use std::collections::HashMap;
 
+use treegen_grammar::Unread;
 use treegen_runtime::form::{Scene, Value};
 use treegen_runtime::mesh::LeftOut;
 use treegen_runtime::{Fault, Limits};
@@ -95,18 +96,19 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
         most_triangles,
     };
     let mut program = resolve::resolve(&input, &mut problems);
+    // What is found in the program may be as large as its trees.
+    let unread: Vec<Unread> = units.into_iter().map(|it| it.unread).collect();
     let vocabulary = program.vocabulary();
     check::check(&mut program, &mut problems);
     let counters = check::counters(&program);
-    let given = constant::Given { seed: options.seed, limits: options.limits, units: units.len(), problems: &problems };
+    let given =
+        constant::Given { seed: options.seed, limits: options.limits, units: unread.len(), problems: &problems };
     let mut constants = constant::Constants::find(&program, &vocabulary, given);
     let setting = scene::setting(&mut constants, &mut pictures::Pictures::new(loader, &sources));
     let found = constants.done();
     problems.extend(found.problems);
-    load::drop_consequences(&units, own, &mut problems);
-    settings::mark(&mut problems, units.len());
-    // What is lowered may be as large again.
-    drop(units);
+    load::drop_consequences(&unread, own, &mut problems);
+    settings::mark(&mut problems, unread.len());
     let scene = if problems.iter().any(Problem::is_error) {
         None
     } else {
@@ -127,50 +129,72 @@ pub fn compile(main: Loaded, loader: &dyn Loader, options: &Options) -> Compiled
     Compiled { sources, scene, problems, vocabulary, counters }
 }
 
-/// Warnings about a program that show only when it is followed: rules that never apply, whatever is drawn. Those that
-/// [`compile`] has warned of are left out.
-pub fn idle_rules(compiled: &Compiled) -> Vec<Problem> {
-    let Some(scene) = &compiled.scene else {
-        return Vec::new();
-    };
-    let told = compiled.problems.iter().filter(|it| matches!(it.code, "W0002" | "W0003"));
-    let mut told: Vec<Span> = told.flat_map(|it| &it.labels).map(|it| it.span).collect();
-    told.sort_unstable();
-    let is_told = |rule: Span| {
-        let first = told.partition_point(|it| (it.file, it.start) < (rule.file, rule.start));
-        let inside = told[first..].iter().take_while(|it| (it.file, it.start) <= (rule.file, rule.end));
-        inside.into_iter().any(|it| it.end <= rule.end)
-    };
-    let counters: HashMap<Span, &check::Counter> = compiled.counters.iter().map(|it| (it.rule, it)).collect();
-    let mut problems = Vec::new();
-    for rule in treegen_runtime::idle_rules(scene) {
-        let span = words::fault::span(rule.origin);
-        if let Some(span) = span.filter(|it| !is_told(*it)) {
-            problems.push(match counters.get(&span) {
-                Some(counter) => words::warnings::skips_end(counter, &compiled.sources),
-                None => words::warnings::idle_rule(&rule.module, span),
-            });
-        }
+/// What is certain of a program before anything of it is drawn, in words. All that is asked about it follows its rules once. Of one that
+/// was not understood nothing is known.
+#[derive(Debug)]
+pub struct Findings<'c> {
+    compiled: &'c Compiled,
+    found: Option<treegen_runtime::Findings<'c>>,
+}
+
+impl<'c> Findings<'c> {
+    /// Follows the rules of a program.
+    pub fn of(compiled: &'c Compiled, limits: &Limits) -> Self {
+        let found = compiled.scene.as_ref().map(|it| treegen_runtime::Findings::of(it, limits));
+        Self { compiled, found }
     }
-    show::sort(&mut problems);
-    problems
-}
 
-/// Warnings about solids that have nothing in them, whatever is drawn.
-pub fn vain_solids(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
-    let solids = compiled.scene.iter().flat_map(|it| treegen_runtime::vain_solids(it, limits));
-    solids.filter_map(words::warnings::vain).collect()
-}
+    /// All warnings.
+    pub fn warnings(&self) -> Vec<Problem> {
+        let mut problems = self.idle_rules();
+        problems.extend(self.vain_solids());
+        problems.extend(self.unseen_segments());
+        problems
+    }
 
-/// Warnings about segments that are left out, whatever is drawn: they have no length, or no thickness.
-pub fn unseen_segments(compiled: &Compiled, limits: &Limits) -> Vec<Problem> {
-    let segments = compiled.scene.iter().flat_map(|it| treegen_runtime::unseen_segments(it, limits));
-    segments.filter_map(words::fault::span).map(words::warnings::unseen_segment).collect()
-}
+    /// Warnings about rules that never apply, whatever is drawn. Those that [`compile`] has warned of are left out.
+    pub fn idle_rules(&self) -> Vec<Problem> {
+        let Compiled { problems, counters, sources, .. } = self.compiled;
+        let told = problems.iter().filter(|it| matches!(it.code, "W0002" | "W0003"));
+        let mut told: Vec<Span> = told.flat_map(|it| &it.labels).map(|it| it.span).collect();
+        told.sort_unstable();
+        let is_told = |rule: Span| {
+            let first = told.partition_point(|it| (it.file, it.start) < (rule.file, rule.start));
+            let inside = told[first..].iter().take_while(|it| (it.file, it.start) <= (rule.file, rule.end));
+            inside.into_iter().any(|it| it.end <= rule.end)
+        };
+        let counters: HashMap<Span, &check::Counter> = counters.iter().map(|it| (it.rule, it)).collect();
+        let mut problems = Vec::new();
+        for rule in self.found.iter().flat_map(treegen_runtime::Findings::idle_rules) {
+            let span = words::fault::span(rule.origin);
+            if let Some(span) = span.filter(|it| !is_told(*it)) {
+                problems.push(match counters.get(&span) {
+                    Some(counter) => words::warnings::skips_end(counter, sources),
+                    None => words::warnings::idle_rule(&rule.module, span),
+                });
+            }
+        }
+        show::sort(&mut problems);
+        problems
+    }
 
-/// What will fail in a scene whatever is drawn, in words: cycles that neither end nor shrink, and values that no rule covers.
-pub fn certain_faults(scene: &Scene, limits: &Limits, vocabulary: &Vocabulary) -> Vec<Problem> {
-    treegen_runtime::certain_faults(scene, limits).iter().map(|it| words::fault::problem(it, vocabulary)).collect()
+    /// Warnings about solids that have nothing in them, whatever is drawn.
+    pub fn vain_solids(&self) -> Vec<Problem> {
+        let solids = self.found.iter().flat_map(treegen_runtime::Findings::vain_solids);
+        solids.filter_map(words::warnings::vain).collect()
+    }
+
+    /// Warnings about segments that are left out, whatever is drawn: they have no length, or no thickness.
+    pub fn unseen_segments(&self) -> Vec<Problem> {
+        let segments = self.found.iter().flat_map(treegen_runtime::Findings::unseen_segments);
+        segments.filter_map(words::fault::span).map(words::warnings::unseen_segment).collect()
+    }
+
+    /// What will fail whatever is drawn: cycles that neither end nor shrink, and values that no rule covers.
+    pub fn certain_faults(&self) -> Vec<Problem> {
+        let faults = self.found.iter().flat_map(treegen_runtime::Findings::certain_faults);
+        faults.map(|it| words::fault::problem(&it, &self.compiled.vocabulary)).collect()
+    }
 }
 
 /// A fault that was met while a program ran, in words.

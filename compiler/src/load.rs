@@ -27,12 +27,15 @@ pub(crate) struct Unit {
     pub(crate) unread: Unread,
 }
 
-/// Leaves out what is told of the pieces that could not be read: of those their own mistakes are told. The first `own` problems
-/// are those.
-pub(crate) fn drop_consequences(units: &[Unit], own: usize, problems: &mut Vec<Problem>) {
-    let is_unread = |it: Span| units.get(it.file.0 as usize).is_some_and(|unit| unit.unread.holds(it));
-    let later = problems.split_off(own.min(problems.len()));
-    problems.extend(later.into_iter().filter(|it| !it.labels.iter().any(|it| is_unread(it.span))));
+/// Leaves out what is told of the pieces of each file that could not be read: of those their own mistakes are told. The first `own`
+/// problems are those.
+pub(crate) fn drop_consequences(unread: &[Unread], own: usize, problems: &mut Vec<Problem>) {
+    let is_unread = |span: Span| unread.get(span.file.0 as usize).is_some_and(|it| it.holds(span));
+    let mut number = 0;
+    problems.retain(|it| {
+        number += 1;
+        number <= own || !it.labels.iter().any(|it| is_unread(it.span))
+    });
 }
 
 /// Reads the program and what it uses. Unit n is file n.

@@ -8,7 +8,7 @@ use treegen_runtime::form::{MeshId, PrimitiveKind};
 use treegen_runtime::geometry::Triangles;
 use treegen_runtime::obj::{BadMesh, decode_obj};
 
-use crate::loader::Loader;
+use crate::loader::{LoadedBytes, Loader};
 use crate::problem::Problem;
 use crate::sources::Sources;
 use crate::words;
@@ -74,14 +74,15 @@ impl<'l> Meshes<'l> {
         if let Some(known) = self.known.get(&loaded.name) {
             return Ok(*known);
         }
-        let mesh = decode_obj(&loaded.bytes, self.left).map_err(|why| match why {
+        let LoadedBytes { name, bytes } = loaded;
+        let mesh = decode_obj(bytes, self.left).map_err(|why| match why {
             BadMesh::TooMany { line } => words::files::too_many_triangles(path, line, (self.left, self.most), span),
             why => words::files::bad_mesh(path, span, &why),
         })?;
         self.left -= mesh.count() as u64;
         let id = MeshId(self.meshes.len() as u32);
         self.meshes.push(Arc::new(mesh));
-        self.known.insert(loaded.name, id);
+        self.known.insert(name, id);
         Ok(id)
     }
 }

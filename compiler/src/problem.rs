@@ -93,12 +93,15 @@ impl Problem {
 
     /// Adds a second place that matters.
     pub(crate) fn and(mut self, span: Span, label: impl Into<String>) -> Self {
+        // There may be very many problems, so that none has room to grow.
+        self.labels.reserve_exact(1);
         self.labels.push(Label { span, text: label.into() });
         self
     }
 
     /// Adds a note.
     pub(crate) fn note(mut self, note: impl Into<String>) -> Self {
+        self.notes.reserve_exact(1);
         self.notes.push(note.into());
         self
     }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::Folder;
-use treegen_compiler::{Loaded, NoFiles, Options, certain_faults, compile, idle_rules, show, vain_solids};
+use treegen_compiler::{Findings, Loaded, NoFiles, Options, compile, show};
 use treegen_runtime::Limits;
 
 #[test]
@@ -26,10 +26,10 @@ fn what_a_program_comes_to_is_said_before_it_is_drawn() {
         let name = path.file_name().and_then(|it| it.to_str()).unwrap().to_owned();
         let compiled = compile(Loaded { name, text }, &NoFiles, &Options::default());
         assert_eq!(show(&compiled.problems, &compiled.sources, false), "", "this case is for what comes after");
-        let scene = compiled.scene.as_ref().expect("the program has no mistakes");
-        let mut problems = idle_rules(&compiled);
-        problems.extend(vain_solids(&compiled, &Limits::default()));
-        problems.extend(certain_faults(scene, &Limits::default(), &compiled.vocabulary));
+        assert!(compiled.scene.is_some(), "the program has no mistakes");
+        let findings = Findings::of(&compiled, &Limits::default());
+        let mut problems = findings.warnings();
+        problems.extend(findings.certain_faults());
         assert!(!problems.is_empty(), "this case is here for its problem");
         insta::assert_snapshot!(show(&problems, &compiled.sources, false));
     });

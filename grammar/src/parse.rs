@@ -6,7 +6,7 @@ use crate::brackets::balance;
 use crate::context::{Context, Progress};
 use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::lexer::lex;
-use crate::statements::mark;
+use crate::statements::{Read, mark};
 use crate::token::Token;
 use crate::unread::{Places, Unread};
 use crate::verdict::Verdict;
@@ -42,7 +42,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
 
     let progress = Progress::default();
     let mut context = Context::new(file, std::mem::take(&mut lexed.docs), &progress);
-    let stream = Stream::new(&statements.tokens, &progress);
+    let stream = Stream::new(statements.tokens(), &progress);
     let items = grammar::FileParser::new().parse(&mut context, stream).unwrap_or_else(|error| {
         context.problem(error, (0, 0));
         Vec::new()
@@ -68,8 +68,10 @@ fn has_wide_characters(text: &str) -> bool {
 /// For each token that it leaves out after a mistake, LALRPOP's parser looks through its whole stack. So that a text can't
 /// use that to take up time, the rest of a statement is kept from it once that has cost too much; and after too many
 /// mistakes the item at hand is ended, and that was all.
-struct Stream<'t, 'a> {
-    tokens: std::slice::Iter<'t, (u32, Token<'a>, u32)>,
+struct Stream<'t, I> {
+    tokens: I,
+    /// Whether nothing more is read.
+    is_over: bool,
     progress: &'t Progress,
     /// How many brackets are open.
     depth: usize,
@@ -83,14 +85,14 @@ struct Stream<'t, 'a> {
     cost: usize,
 }
 
-impl<'t, 'a> Stream<'t, 'a> {
+impl<'t, 'a, I: Iterator<Item = Read<'a>>> Stream<'t, I> {
     /// So many tokens in a row do not make a piece in a text without mistakes.
     const MOST_IDLE: usize = 16;
     /// Some tenths of a second.
     const MOST_COST: usize = 1_000_000;
 
-    fn new(tokens: &'t [(u32, Token<'a>, u32)], progress: &'t Progress) -> Self {
-        Self { tokens: tokens.iter(), progress, depth: 0, in_item: false, last: 0, pieces: 0, idle: 0, cost: 0 }
+    fn new(tokens: I, progress: &'t Progress) -> Self {
+        Self { tokens, is_over: false, progress, depth: 0, in_item: false, last: 0, pieces: 0, idle: 0, cost: 0 }
     }
 
     /// Takes note of a token that is handed out.
@@ -113,16 +115,19 @@ impl<'t, 'a> Stream<'t, 'a> {
     }
 }
 
-impl<'a> Iterator for Stream<'_, 'a> {
-    type Item = Result<(u32, Token<'a>, u32), Infallible>;
+impl<'a, I: Iterator<Item = Read<'a>>> Iterator for Stream<'_, I> {
+    type Item = Result<Read<'a>, Infallible>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.progress.mistakes.get() >= MAX_ERRORS {
-            self.tokens = [].iter();
+            self.is_over = true;
             return std::mem::take(&mut self.in_item).then_some(Ok((self.last, Token::EndItem, self.last)));
         }
         loop {
-            let token = *self.tokens.next()?;
+            if self.is_over {
+                return None;
+            }
+            let token = self.tokens.next()?;
             self.watch(token.1);
             let is_end = matches!(token.1, Token::EndItem | Token::EndMember);
             if is_end || self.cost <= Self::MOST_COST || self.idle <= Self::MOST_IDLE {

@@ -24,13 +24,35 @@ pub(crate) struct Finding {
 
 /// What the parser gets to read.
 #[derive(Debug)]
-pub(crate) struct Statements<'a> {
-    pub(crate) tokens: Vec<(u32, Token<'a>, u32)>,
+pub(crate) struct Statements<'t, 'a> {
+    /// What the text has.
+    text: &'t [Placed<'a>],
+    /// What is read, in order: numbers of what the text has, or from [`ADDED`] on of what is added. There may be millions of them.
+    order: Vec<u32>,
+    added: Vec<Read<'a>>,
     /// Where statements end, in order.
     pub(crate) ends: Vec<u32>,
 }
 
-impl Statements<'_> {
+/// A token between where it begins and where it ends.
+pub(crate) type Read<'a> = (u32, Token<'a>, u32);
+
+/// The number of the first token that is added; a text has fewer bytes.
+const ADDED: u32 = 1 << 31;
+
+impl<'a> Statements<'_, 'a> {
+    /// The tokens that are read.
+    pub(crate) fn tokens(&self) -> impl Iterator<Item = Read<'a>> {
+        self.order.iter().filter_map(|it| self.token(*it))
+    }
+
+    fn token(&self, number: u32) -> Option<Read<'a>> {
+        match number.checked_sub(ADDED) {
+            None => self.text.get(number as usize).map(|it| (it.start, it.token, it.end)),
+            Some(added) => self.added.get(added as usize).copied(),
+        }
+    }
+
     /// Where the statement around `offset` ends.
     pub(crate) fn end_after(&self, offset: u32) -> u32 {
         let at = self.ends.partition_point(|&end| end <= offset);
@@ -45,11 +67,17 @@ impl Statements<'_> {
 }
 
 /// Adds the marks to `tokens`.
-pub(crate) fn mark<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Statements<'a> {
+pub(crate) fn mark<'t, 'a>(file: FileId, tokens: &'t [Placed<'a>], findings: &mut Vec<Finding>) -> Statements<'t, 'a> {
     let mut marker = Marker {
         file,
         findings,
-        out: Statements { tokens: Vec::with_capacity(tokens.len() + tokens.len() / 8), ends: Vec::new() },
+        out: Statements {
+            text: tokens,
+            order: Vec::with_capacity(tokens.len() + tokens.len() / 8),
+            added: Vec::new(),
+            ends: Vec::new(),
+        },
+        number: 0,
         levels: vec![Level::new(Block::File)],
         height: 0,
         muted: None,
@@ -58,6 +86,7 @@ pub(crate) fn mark<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<F
     let mut rest = tokens;
     while let [token, next @ ..] = rest {
         marker.read(token, next);
+        marker.number += 1;
         rest = next;
     }
     marker.close_statement();
@@ -121,10 +150,12 @@ impl Level<'_> {
     }
 }
 
-struct Marker<'a, 'f> {
+struct Marker<'t, 'a, 'f> {
     file: FileId,
     findings: &'f mut Vec<Finding>,
-    out: Statements<'a>,
+    out: Statements<'t, 'a>,
+    /// The number of the token at hand.
+    number: u32,
     levels: Vec<Level<'a>>,
     /// How deep the token at hand is nested.
     height: usize,
@@ -133,7 +164,7 @@ struct Marker<'a, 'f> {
     last: Option<Placed<'a>>,
 }
 
-impl<'a> Marker<'a, '_> {
+impl<'a> Marker<'_, 'a, '_> {
     fn read(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
         if self.begins_statement(token, rest) {
             self.close_statement();
@@ -196,8 +227,11 @@ impl<'a> Marker<'a, '_> {
         let is_brace = token.token == Token::OpenCurly;
         let statement = self.levels.last().filter(|it| is_brace && it.ends_with_brace());
         let block = statement.map_or(Block::Other, Level::block_of_brace);
-        let opening = if statement.is_some() { Token::OpenBlock } else { token.token };
-        self.push(&Placed { token: opening, ..*token });
+        if statement.is_some() {
+            self.push_as(&Placed { token: Token::OpenBlock, ..*token }, None);
+        } else {
+            self.push(token);
+        }
         self.levels.push(Level::new(block));
         self.height += 1;
         self.check_nesting(token);
@@ -240,16 +274,17 @@ impl<'a> Marker<'a, '_> {
         if self.muted.is_some() {
             return;
         }
-        let tail = self.out.tokens.split_off(at);
-        let Some(&(_, before, end)) = self.out.tokens.last() else {
+        let tail = self.out.order.split_off(at);
+        let Some((_, before, end)) = self.out.order.last().and_then(|it| self.out.token(*it)) else {
             return;
         };
         self.missing_semicolon(before, end);
         self.mark_end(end);
-        if let (Some(level), Some(head)) = (self.levels.last_mut(), tail.first()) {
+        let head = tail.first().and_then(|it| self.out.token(*it));
+        if let (Some(level), Some(head)) = (self.levels.last_mut(), head) {
             level.first = Some(head.1);
         }
-        self.out.tokens.extend(tail);
+        self.out.order.extend(tail);
     }
 
     /// Ends a statement that has no end of its own.
@@ -293,7 +328,12 @@ impl<'a> Marker<'a, '_> {
     }
 
     fn push(&mut self, token: &Placed<'a>) {
-        let at = self.out.tokens.len();
+        self.push_as(token, Some(self.number));
+    }
+
+    /// Adds the token at hand: by its number, or as another one.
+    fn push_as(&mut self, token: &Placed<'a>, number: Option<u32>) {
+        let at = self.out.order.len();
         let continues = !self.last.is_some_and(|it| it.token.ends_value());
         if let Some(level) = self.levels.last_mut() {
             if level.first.is_none() {
@@ -303,14 +343,22 @@ impl<'a> Marker<'a, '_> {
             }
         }
         if self.muted.is_none() {
-            self.out.tokens.push((token.start, token.token, token.end));
+            match number {
+                Some(number) => self.out.order.push(number),
+                None => self.add((token.start, token.token, token.end)),
+            }
         }
+    }
+
+    fn add(&mut self, token: Read<'a>) {
+        self.out.order.push(ADDED + self.out.added.len() as u32);
+        self.out.added.push(token);
     }
 
     /// Adds a token that is not in the text.
     fn insert(&mut self, token: Token<'a>, at: u32) {
         if self.muted.is_none() {
-            self.out.tokens.push((at, token, at));
+            self.add((at, token, at));
         }
     }
 

@@ -40,10 +40,10 @@ pub(crate) struct Groups(Vec<(u32, usize)>);
 const OUTSIDE: usize = usize::MAX;
 
 impl Groups {
-    pub(crate) fn of(statements: &Statements<'_>) -> Self {
+    pub(crate) fn of(statements: &Statements<'_, '_>) -> Self {
         let mut open = Vec::new();
         let mut groups = Vec::new();
-        for (number, &(_, token, end)) in statements.tokens.iter().enumerate() {
+        for (number, (_, token, end)) in statements.tokens().enumerate() {
             if token == Token::OpenBlock || token.closer().is_some() {
                 open.push(number);
             } else if token.is_closer() {

@@ -36,7 +36,7 @@ impl Unread {
 /// The places that a text could not be read at.
 pub(crate) struct Places<'t, 'a> {
     pub(crate) lexed: &'t Lexed<'a>,
-    pub(crate) statements: &'t Statements<'a>,
+    pub(crate) statements: &'t Statements<'t, 'a>,
     /// What the passes before the parser have found.
     pub(crate) findings: &'t [Finding],
     /// What the parser has stumbled over.

@@ -31,7 +31,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
         file: FileId,
         text: &'a str,
         lexed: &'t Lexed<'a>,
-        statements: &'t Statements<'a>,
+        statements: &'t Statements<'t, 'a>,
         findings: &[Finding],
         mistakes: &'t [Mistake<'a>],
     ) -> Self {
@@ -143,13 +143,16 @@ impl<'t, 'a> Verdict<'t, 'a> {
 }
 
 /// What an unterminated text or comment has swallowed is missing in the whole statement.
-fn unreadable(lexed: &Lexed<'_>, statements: &Statements<'_>) -> Vec<(u32, u32)> {
+fn unreadable(lexed: &Lexed<'_>, statements: &Statements<'_, '_>) -> Vec<(u32, u32)> {
     let around = |&it: &u32| (statements.end_before(it), statements.end_after(it));
     lexed.doubtful.iter().map(around).chain(lexed.cut.map(|it| (it, u32::MAX))).collect()
 }
 
 /// Where the parser went on in other brackets than those that the mistake is in, it is out of step.
-fn out_of_step(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+fn out_of_step(statements: &Statements<'_, '_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+    if mistakes.is_empty() {
+        return Vec::new();
+    }
     let groups = Groups::of(statements);
     let astray = mistakes.iter().filter(|it| !groups.are_one(it.lost.0, it.lost.1));
     let from = astray.map(|it| it.found.map_or(it.lost.0, |it| it.0));
@@ -157,7 +160,7 @@ fn out_of_step(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u3
 }
 
 /// Where an arrow is missing and something is wrong before that, the statement is no rule at all.
-fn no_rule(statements: &Statements<'_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+fn no_rule(statements: &Statements<'_, '_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
     let mut places: Vec<u32> = mistakes.iter().filter_map(|it| it.found).map(|it| it.0).collect();
     places.sort_unstable();
     let without_arrow = mistakes.iter().filter(|it| it.expected.iter().any(|it| it == "\"->\""));
@@ -173,7 +176,7 @@ fn first_in(places: &[u32], from: u32, until: u32) -> Option<u32> {
 
 /// A bracket that is closed without being opened shows that the opening one is missing, and the first mistake before it
 /// shows where.
-fn unopened(statements: &Statements<'_>, findings: &[Finding], mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+fn unopened(statements: &Statements<'_, '_>, findings: &[Finding], mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
     let mut needs_brace = Vec::new();
     let mut all = Vec::new();
     for mistake in mistakes {

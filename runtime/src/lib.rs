@@ -24,6 +24,6 @@ pub mod scan;
 pub mod texture;
 pub mod trace;
 
-pub use abstraction::{IdleRule, Vain, certain_faults, idle_rules, unseen_segments, vain_solids};
+pub use abstraction::{Findings, IdleRule, Vain};
 pub use fault::{Fault, FaultKind, Limit, TrailStep};
 pub use limits::Limits;

@@ -69,7 +69,7 @@ impl Default for Limits {
             intervals: 4096,
             primitives: 10_000_000,
             triangles: 4_000_000,
-            mesh_triangles: 4_000_000,
+            mesh_triangles: 2_000_000,
             mesh_nodes: 65_536,
             lod: 1.0,
             cell_bytes: 256 << 20,

@@ -1,6 +1,6 @@
 //! Solids that are none, that are barely some, or that stand in one another in ways that are hard to follow (rows 51 to 56).
 
-use treegen_compiler::{show, vain_solids};
+use treegen_compiler::{Findings, show};
 use treegen_runtime::Limits;
 
 use crate::common::compiled;
@@ -139,7 +139,7 @@ fn quadrics_are_the_same_at_any_scale() {
 fn a_quadric_with_nothing_in_it_is_warned_of() {
     let warned = |solid: &str| {
         let compiled = compiled(&of(solid));
-        let found = vain_solids(&compiled, &Limits::default());
+        let found = Findings::of(&compiled, &Limits::default()).vain_solids();
         assert!(found.iter().all(|it| show(std::slice::from_ref(it), &compiled.sources, false).contains("quadric")));
         found.iter().map(|it| it.code).collect::<Vec<_>>()
     };

@@ -15,8 +15,7 @@ use common::compiled;
 use jsonschema::Validator;
 use serde_json::{Value, json};
 use treegen_compiler::{
-    Compiled, LoadError, Loaded, Loader, Options, Problem, certain_faults, compile, idle_rules, pages, show_json,
-    show_json_sentence, unseen_segments, vain_solids,
+    Compiled, Findings, LoadError, Loaded, Loader, Options, Problem, compile, pages, show_json, show_json_sentence,
 };
 use treegen_runtime::Limits;
 
@@ -52,12 +51,9 @@ fn cases() -> Vec<String> {
 
 fn problems(compiled: &Compiled) -> Vec<Problem> {
     let mut problems = compiled.problems.clone();
-    problems.extend(idle_rules(compiled));
-    problems.extend(vain_solids(compiled, &Limits::default()));
-    problems.extend(unseen_segments(compiled, &Limits::default()));
-    if let Some(scene) = &compiled.scene {
-        problems.extend(certain_faults(scene, &Limits::default(), &compiled.vocabulary));
-    }
+    let findings = Findings::of(compiled, &Limits::default());
+    problems.extend(findings.warnings());
+    problems.extend(findings.certain_faults());
     problems
 }
 

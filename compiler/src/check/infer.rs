@@ -347,6 +347,7 @@ impl<'a> Infer<'a> {
                         let part = ["x", "y", "z", "w"].get(usize::from(*number)).copied().unwrap_or("");
                         let found = self.name(&kind);
                         self.report(words::no_such_part(part, &found, *span));
+                        return Type::Unknown;
                     }
                     kind = Type::Number;
                 }

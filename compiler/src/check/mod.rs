@@ -36,7 +36,7 @@ pub(crate) fn check(program: &mut Program, problems: &mut Vec<Problem>) {
     unused::check(program, problems);
 }
 
-/// The rules that wait for a counter, for [`idle_rules`](crate::idle_rules).
+/// The rules that wait for a counter, for [`Findings::idle_rules`](crate::Findings::idle_rules).
 pub(crate) fn counters(program: &Program) -> Vec<Counter> {
     counters::find(program)
 }

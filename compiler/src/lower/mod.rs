@@ -99,7 +99,7 @@ impl Lowering<'_> {
             place: Place::file().definition("show", "0").call(0),
             origin: origin(span),
         };
-        let start = self.node(Node::System(call), span);
+        let start = self.node(Node::System(Box::new(call)), span);
         self.systems[root.0 as usize] = Some(form::System {
             name: "scene".to_owned(),
             slots: Vec::new(),

@@ -134,14 +134,14 @@ impl Lowering<'_> {
         let given = args.iter().filter_map(|it| Some(Slot(formals.get(it.0)?.slot as u16))).collect();
         let args = self.code(|coder| args.iter().map(|it| coder.expr(&it.1)).collect());
         let seed = seed.map(|it| self.value_of(it));
-        Node::System(form::SystemCall {
+        Node::System(Box::new(form::SystemCall {
             system: self.system_id(system),
             args,
             given,
             seed,
             place,
             origin: origin(span),
-        })
+        }))
     }
 
     /// Writes a code with the results that `write` gives.

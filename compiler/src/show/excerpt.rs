@@ -92,34 +92,38 @@ impl Excerpt {
         let text = source.line(number);
         let start = source.line_start(number);
         let within = places.iter().filter(|it| (start..=start + text.len()).contains(*it)).map(|it| it - start);
-        let within: Vec<usize> = within.collect();
-        let is_long = text.len() > LONG_LINE;
-        let kept = |at: usize| !is_long || within.iter().any(|it| it.abs_diff(at) <= CONTEXT);
         let mut line = Line { number, source: start, start: self.text.len(), pieces: Vec::new() };
-        let mut cut = false;
-        for (at, letter) in text.char_indices() {
-            let here = self.text.len() - line.start;
-            if !kept(at) {
-                if !cut {
-                    line.pieces.push((at, here));
-                    self.text.push_str("...");
+        let mut done = 0;
+        for kept in kept(text, within.collect()) {
+            if done < kept.start {
+                self.leave_out(&mut line, done);
+            }
+            done = kept.end;
+            let mut is_first = true;
+            for (at, letter) in text[kept.clone()].char_indices() {
+                let at = kept.start + at;
+                // Most characters are themselves, and need no piece of their own.
+                if std::mem::take(&mut is_first) || is_deceptive(letter) {
+                    line.pieces.push((at, self.text.len() - line.start));
                 }
-                cut = true;
-                continue;
+                push_escaped(&mut self.text, letter);
+                if is_deceptive(letter) {
+                    line.pieces.push((at + letter.len_utf8(), self.text.len() - line.start));
+                }
             }
-            // Most characters are themselves, and need no piece of their own.
-            if cut || line.pieces.is_empty() || is_deceptive(letter) {
-                line.pieces.push((at, here));
-            }
-            cut = false;
-            push_escaped(&mut self.text, letter);
-            if is_deceptive(letter) {
-                line.pieces.push((at + letter.len_utf8(), self.text.len() - line.start));
-            }
+        }
+        if done < text.len() {
+            self.leave_out(&mut line, done);
         }
         line.pieces.push((text.len(), self.text.len() - line.start));
         self.text.push('\n');
         self.lines.push(line);
+    }
+
+    /// Writes that something is left out of a line from a place on.
+    fn leave_out(&mut self, line: &mut Line, from: usize) {
+        line.pieces.push((from, self.text.len() - line.start));
+        self.text.push_str("...");
     }
 
     /// An offset in the file as an offset in the excerpt.
@@ -136,6 +140,25 @@ impl Excerpt {
         }
         Some(place)
     }
+}
+
+/// What stays of a line's text, in order and apart: all of it, or what is near a labelled place. A line may be megabytes long, so that
+/// nothing is looked at between these.
+fn kept(text: &str, mut places: Vec<usize>) -> Vec<Range<usize>> {
+    if text.len() <= LONG_LINE {
+        return std::iter::once(0..text.len()).collect();
+    }
+    let boundary = |at: usize| (at..text.len()).find(|it| text.is_char_boundary(*it)).unwrap_or(text.len());
+    places.sort_unstable();
+    let mut kept: Vec<Range<usize>> = Vec::new();
+    for place in places {
+        let (start, end) = (boundary(place.saturating_sub(CONTEXT)), boundary(place + CONTEXT + 1));
+        match kept.last_mut() {
+            Some(last) if start <= last.end => last.end = end,
+            _ => kept.push(start..end),
+        }
+    }
+    kept
 }
 
 impl<'a> Files<'a> for Excerpts {

@@ -78,7 +78,7 @@ pub(crate) fn bad_mesh(path: &str, span: Span, why: &BadMesh) -> Problem {
 pub(crate) fn too_many_triangles(path: &str, line: u32, (left, most): (u64, u64), span: Span) -> Problem {
     let label = format!("up to line {line} it has more than {left}");
     let problem = Problem::error("E0910", format!("`{path}` has too many triangles"), span, label);
-    let all = format!("all meshes of a program have {most} at most, and points three times as many");
+    let all = format!("all meshes of a program have {most} at most, and points and normals three times as many each");
     let problem = problem.note(all);
     way_to_raise(Limit::MeshTriangles).into_iter().fold(problem, Problem::note)
 }

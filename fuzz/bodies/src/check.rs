@@ -1,8 +1,8 @@
 //! Any text through the compiler: a scene or an error, words for all that was found, and suggestions that come to an end.
 
 use treegen_compiler::{
-    Compiled, LoadError, Loaded, LoadedBytes, Loader, Options, Problem, Sources, certain_faults, compile, idle_rules,
-    mend, show, show_json, vain_solids,
+    Compiled, Findings, LoadError, Loaded, LoadedBytes, Loader, Options, Problem, Sources, compile, mend, show,
+    show_json,
 };
 
 use crate::limits;
@@ -20,11 +20,9 @@ const MOST_SHOWN: usize = (64 << 10) + 100;
 /// places outside the text; if safe suggestions change nothing.
 pub fn check(text: &str) {
     let compiled = compiled(text);
-    if let Some(scene) = &compiled.scene {
-        shown(&idle_rules(&compiled), &compiled.sources);
-        shown(&vain_solids(&compiled, &limits()), &compiled.sources);
-        shown(&certain_faults(scene, &limits(), &compiled.vocabulary), &compiled.sources);
-    }
+    let findings = Findings::of(&compiled, &limits());
+    shown(&findings.warnings(), &compiled.sources);
+    shown(&findings.certain_faults(), &compiled.sources);
     let mut mended = first_mended(&compiled);
     for _ in 0..MOST_ROUNDS {
         let Some(text) = mended else { return };

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use treegen_compiler::{Compiled, certain_faults, idle_rules, problem_of_fault, vain_solids};
+use treegen_compiler::{Compiled, Findings, problem_of_fault};
 use treegen_runtime::export::{Pieces, write_gltf, write_json};
 use treegen_runtime::form::Scene;
 use treegen_runtime::mesh::{self, StemSurface};
@@ -40,9 +40,9 @@ pub fn draw(text: &str) -> bool {
 fn make(compiled: &Compiled) {
     let Some(scene) = &compiled.scene else { return };
     let limits = limits();
-    shown(&idle_rules(compiled), &compiled.sources);
-    shown(&vain_solids(compiled, &limits), &compiled.sources);
-    shown(&certain_faults(scene, &limits, &compiled.vocabulary), &compiled.sources);
+    let findings = Findings::of(compiled, &limits);
+    shown(&findings.warnings(), &compiled.sources);
+    shown(&findings.certain_faults(), &compiled.sources);
     let told = |fault: &Fault| shown(&[problem_of_fault(fault, &compiled.vocabulary)], &compiled.sources);
 
     let culled = traced(scene, &limits, Culling::State);

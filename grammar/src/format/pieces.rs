@@ -103,10 +103,10 @@ impl<'a> Pieces<'a> {
     /// The pieces of a text without mistakes, of which `tree` is the tree.
     pub(super) fn new(file: FileId, text: &'a str, tree: &ast::File) -> Self {
         let lexed = lex(file, text);
-        let tokens = mark(file, &lexed.tokens, &mut Vec::new()).tokens;
+        let statements = mark(file, &lexed.tokens, &mut Vec::new());
         let mut reader = Reader::new(text, walk_brackets(tree));
         let mut comments = lexed.comments.iter().peekable();
-        for (start, token, end) in tokens {
+        for (start, token, end) in statements.tokens() {
             while let Some(comment) = comments.next_if(|it| it.span.start < start) {
                 reader.comment(comment.span);
             }

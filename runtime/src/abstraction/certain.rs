@@ -11,7 +11,6 @@ use super::sketch::AbstractState;
 use super::trouble::Blamed;
 use super::value::Abstract;
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::Scene;
 use crate::limits::Limits;
 use crate::trace::{Expander, State};
 
@@ -36,10 +35,10 @@ pub(super) fn bounded(limits: &Limits) -> Limits {
     }
 }
 
-/// The faults of those of the states met that are certain to be there, one for each place in the text.
-pub(super) fn faults(scene: &Scene, limits: &Limits, flow: &Flow, explored: &Explored) -> Vec<Fault> {
-    let expander = Expander::new(scene, &bounded(limits));
-    let blamed = Blamed { flow, depth: limits.depth };
+/// The faults of those of the states met that are certain to be there, one for each place in the text. The expander is one within
+/// [`bounded`] limits.
+pub(super) fn faults(expander: &Expander<'_>, flow: &Flow, explored: &Explored) -> Vec<Fault> {
+    let blamed = Blamed { flow, depth: expander.limits().depth };
     let mut faults: Vec<Fault> = Vec::new();
     let mut failed: Vec<&AbstractState> = Vec::new();
     for it in explored.met.iter().filter(|it| it.certain).take(MOST_STATES) {
@@ -47,8 +46,9 @@ pub(super) fn faults(scene: &Scene, limits: &Limits, flow: &Flow, explored: &Exp
         if !failed.is_empty() && explored.way(it).iter().any(|it| failed.contains(&&it.0)) {
             continue;
         }
-        let Some(fault) = fault_of(&expander, flow, &it.state) else { continue };
-        failed.push(&it.state);
+        let state = explored.state(it);
+        let Some(fault) = fault_of(expander, flow, state) else { continue };
+        failed.push(state);
         if faults.iter().all(|it| it.origin != fault.origin) {
             faults.push(blamed.below(fault, &explored.way(it)));
         }

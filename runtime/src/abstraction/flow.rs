@@ -6,13 +6,15 @@
 //!
 //! What only feeds `rand`, or is only looked at by a formal's range, flows nowhere here.
 
+use std::sync::Arc;
+
 use super::entries::{Circle, Entries};
 use super::needs::{Analysis, Sinks, has};
 use super::slim::slim;
 use super::step::Step;
-use crate::form::{Graph, Node, NodeId, Scene, Slot};
+use crate::form::{Graph, NodeId, Scene, Slot};
 use crate::geometry::Primitive;
-use crate::trace::{Entry, constants};
+use crate::trace::{Constant, Distinct, Entry};
 
 /// What of an entry's environment matters to an abstract state.
 #[derive(Clone, Debug, Default)]
@@ -41,9 +43,15 @@ pub(crate) struct Flow {
     pub(crate) graph: Graph,
     /// The program's seed.
     pub(crate) seed: u64,
-    entries: Entries,
     lays: Vec<Lay>,
-    fixed: Vec<Fixed>,
+    kept: Arc<Kept>,
+}
+
+/// What is the same whatever counts as control.
+#[derive(Debug)]
+struct Kept {
+    entries: Entries,
+    fixed: Distinct<Fixed>,
     /// Whether shapes lie below each entry.
     bears: Vec<bool>,
     /// Whether a shape may lead to each entry.
@@ -59,8 +67,8 @@ impl Flow {
         let entries = Entries::of(whole);
         let all = Analysis::run(whole, &entries, Sinks::All);
         let control = Analysis::run(whole, &entries, Sinks::Control);
-        let graph = slim(whole, &all).unwrap_or_else(|| whole.clone());
-        let fixed = graph.nodes().iter().map(|it| fixed(&graph, it)).collect();
+        let graph = slim(whole, &all);
+        let fixed = Distinct::of(&graph, Fixed::No, |it| fixed(&graph, it));
         let lays = all.at_entries().iter().zip(control.at_entries());
         let lays = lays
             .map(|(all, control)| Lay {
@@ -70,7 +78,8 @@ impl Flow {
             .collect();
         let (bears, borne) = (entries.with_shapes_below(&graph), entries.below_shapes(&graph));
         let circles = entries.circles();
-        let mut flow = Self { graph, seed: scene.seed, entries, lays, fixed, bears, borne, circles };
+        let kept = Arc::new(Kept { entries, fixed, bears, borne, circles });
+        let mut flow = Self { graph, seed: scene.seed, lays, kept };
         flow.mark_discrete();
         flow
     }
@@ -78,12 +87,13 @@ impl Flow {
     /// The same, but for slots that hold measures ([`measures`](super::measures)): these are data, even if a choice looks at
     /// them, so states that differ in them are joined where there are many. That need not come to bounds where the whole flow
     /// does. `None`: there are no such slots.
-    pub(crate) fn with_measures_as_data(scene: &Scene) -> Option<Self> {
-        let mut flow = Self::of(scene);
-        let measures = flow.entries.measures(&scene.graph);
+    pub(crate) fn with_measures_as_data(&self, scene: &Scene) -> Option<Self> {
+        let entries = &self.kept.entries;
+        let measures = entries.measures(&scene.graph);
+        let mut lays = self.lays.clone();
         let mut is_other = false;
-        for (number, lay) in flow.lays.iter_mut().enumerate() {
-            let system = flow.entries.system(&scene.graph, number);
+        for (number, lay) in lays.iter_mut().enumerate() {
+            let system = entries.system(&scene.graph, number);
             for (slot, control) in &mut lay.slots {
                 if *control && measures.holds(system, *slot) {
                     *control = false;
@@ -92,32 +102,36 @@ impl Flow {
             }
             lay.discrete = true;
         }
-        flow.mark_discrete();
-        is_other.then_some(flow)
+        is_other.then(|| {
+            let (graph, kept) = (self.graph.clone(), Arc::clone(&self.kept));
+            let mut flow = Self { graph, seed: self.seed, lays, kept };
+            flow.mark_discrete();
+            flow
+        })
     }
 
     pub(crate) fn at(&self, entry: Entry) -> &Lay {
-        &self.lays[self.entries.number(entry)]
+        &self.lays[self.kept.entries.number(entry)]
     }
 
     /// What a node is if it is the same everywhere.
     pub(crate) fn fixed(&self, node: NodeId) -> &Fixed {
-        &self.fixed[node.0 as usize]
+        self.kept.fixed.of_node(node)
     }
 
     /// Whether shapes lie below an entry: what these derive to is not known to an abstract state.
     pub(crate) fn bears_shapes(&self, entry: Entry) -> bool {
-        self.bears[self.entries.number(entry)]
+        self.kept.bears[self.kept.entries.number(entry)]
     }
 
     /// Whether a shape may lead to an entry, with any values.
     pub(crate) fn is_borne(&self, entry: Entry) -> bool {
-        self.borne[self.entries.number(entry)]
+        self.kept.borne[self.kept.entries.number(entry)]
     }
 
     /// The circle that an entry is in; none if it does not lead back to itself, whatever the values.
     pub(crate) fn circle(&self, entry: Entry) -> Option<Circle> {
-        self.circles[self.entries.number(entry)]
+        self.kept.circles[self.kept.entries.number(entry)]
     }
 
     /// Marks the entries from which slots that are data can be reached.
@@ -126,20 +140,15 @@ impl Flow {
         let mut mixed: Vec<usize> = (0..self.lays.len()).filter(has_data).collect();
         while let Some(number) = mixed.pop() {
             if std::mem::replace(&mut self.lays[number].discrete, false) {
-                mixed.extend(self.entries.callers(number));
+                mixed.extend(self.kept.entries.callers(number));
             }
         }
     }
 }
 
-fn fixed(graph: &Graph, node: &Node) -> Fixed {
-    match node {
-        Node::Transform { kind, code, .. } => {
-            constants(code).map_or(Fixed::No, |it| Fixed::Step(Step::known(*kind, &it)))
-        }
-        Node::Primitive { kind, code, .. } => {
-            constants(code).map_or(Fixed::No, |it| Fixed::Primitive(graph.primitive(*kind, &it)))
-        }
-        _ => Fixed::No,
+fn fixed(graph: &Graph, constant: &Constant) -> Fixed {
+    match constant {
+        Constant::Transform(kind, numbers) => Fixed::Step(Step::known(*kind, numbers)),
+        Constant::Primitive(kind, numbers) => Fixed::Primitive(graph.primitive(*kind, numbers)),
     }
 }

@@ -31,6 +31,61 @@ const UNMOVED: [DVec3; ANCHORS] = [DVec3::ZERO; ANCHORS];
 /// More than what rounding moves a bound by in one step outwards, in parts of its size and of its distance.
 const ROUNDING: f64 = 1e-13;
 
+/// The union of parts that come one by one: there may be a million of them, and of each only its ball is kept.
+#[derive(Debug)]
+pub(crate) struct Gathered {
+    bounds: Aabb,
+    finite: Aabb,
+    profile: Profile,
+    balls: Vec<(DVec3, f64)>,
+    shift: [DVec3; ANCHORS],
+    /// Whether they do not move alike, so that nothing is known of them together.
+    is_torn: bool,
+}
+
+impl Default for Gathered {
+    fn default() -> Self {
+        Self {
+            bounds: Aabb::EMPTY,
+            finite: Aabb::EMPTY,
+            profile: Profile::EMPTY,
+            balls: Vec::new(),
+            shift: UNMOVED,
+            is_torn: false,
+        }
+    }
+}
+
+impl Gathered {
+    /// Adds a part.
+    pub(crate) fn add(&mut self, part: &Loose) {
+        if part.is_empty() {
+            return;
+        }
+        if self.balls.is_empty() {
+            self.shift = part.shift;
+        }
+        self.is_torn |= part.shift != self.shift;
+        self.bounds = self.bounds.union(&part.bounds);
+        self.finite = self.finite.union(&part.finite);
+        self.profile = self.profile.union(&part.profile);
+        self.balls.push((part.center, part.radius));
+    }
+
+    /// All of them.
+    pub(crate) fn whole(&self) -> Loose {
+        if self.is_torn {
+            return Loose::ALL;
+        }
+        let whole = Loose::of_box(self.bounds);
+        let reach = |(center, radius): &(DVec3, f64)| (*center - whole.center).length() + radius;
+        let radius = self.balls.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
+        let radius = if radius < whole.radius { radius } else { whole.radius };
+        let profile = self.profile.intersection(&whole.profile);
+        Loose { finite: self.finite, radius, profile, shift: self.shift, ..whole }
+    }
+}
+
 impl Loose {
     /// Of nothing.
     pub(crate) const EMPTY: Self = Self {
@@ -279,19 +334,9 @@ impl Loose {
 
     /// Of all that lies in any of these.
     pub(crate) fn union(parts: &[Self]) -> Self {
-        let parts: Vec<&Self> = parts.iter().filter(|it| !it.is_empty()).collect();
-        let shift = parts.first().map_or(UNMOVED, |it| it.shift);
-        if parts.iter().any(|it| it.shift != shift) {
-            return Self::ALL;
-        }
-        let bounds = parts.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.bounds));
-        let finite = parts.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.finite));
-        let profile = parts.iter().fold(Profile::EMPTY, |all, it| all.union(&it.profile));
-        let whole = Self::of_box(bounds);
-        let reach = |it: &&Self| (it.center - whole.center).length() + it.radius;
-        let radius = parts.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
-        let radius = if radius < whole.radius { radius } else { whole.radius };
-        Self { finite, radius, profile: profile.intersection(&whole.profile), shift, ..whole }
+        let mut gathered = Gathered::default();
+        parts.iter().for_each(|it| gathered.add(it));
+        gathered.whole()
     }
 
     /// Of what lies in both.

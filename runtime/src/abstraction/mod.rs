@@ -48,16 +48,15 @@ mod value;
 mod walk;
 
 pub(crate) use entries::Circle;
-pub use findings::{IdleRule, certain_faults, idle_rules};
+pub use findings::{Findings, IdleRule};
 pub(crate) use hyper::HyperBoxes;
-pub(crate) use loose::{Loose, box_between, primitive_bounds};
+pub(crate) use loose::{Gathered, Loose, box_between, primitive_bounds};
 pub(crate) use planted::{Next, Plant, extents as extents_of_plants};
 pub(crate) use profile::stretch;
 pub(crate) use skeleton::skeleton;
 pub(crate) use sketch::{Count, Extent, Part, Sketch, What};
 pub(crate) use survey::{Scout, Survey};
-pub use unseen::unseen_segments;
-pub use vain::{Vain, vain_solids};
+pub use vain::Vain;
 
 #[cfg(test)]
 mod tests;

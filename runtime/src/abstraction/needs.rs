@@ -5,9 +5,11 @@
 
 use std::collections::HashMap;
 
+use smallvec::{SmallVec, smallvec};
+
 use super::entries::Entries;
 use crate::form::{
-    Builtin, Call, Choice, Code, Function, Graph, Node, NodeId, Op, Reg, Select, Shape, Slot, Stride, System,
+    Builtin, Call, Choice, Code, Function, Graph, Node, NodeId, Op, Reg, Select, SelectId, Shape, Slot, Stride, System,
     SystemCall, SystemId,
 };
 use crate::trace::Entry;
@@ -36,7 +38,10 @@ pub(super) fn has(slots: &[Slot], slot: Slot) -> bool {
 }
 
 /// For each operation of a code, whether what it does matters.
-pub(super) type Marks = Vec<bool>;
+pub(super) type Marks = SmallVec<[bool; SHORT]>;
+
+/// Operations and registers that most codes have at most.
+const SHORT: usize = 16;
 
 /// Where what flows counts.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -76,7 +81,7 @@ pub(super) struct Analysis<'g> {
 /// What is needed before an operation of a code.
 #[derive(Clone, Default)]
 struct Before {
-    regs: Vec<bool>,
+    regs: SmallVec<[bool; SHORT]>,
     needs: Needs,
 }
 
@@ -247,16 +252,16 @@ impl<'g> Analysis<'g> {
     }
 
     /// The arguments of a call that are needed.
-    fn call_args(&self, call: &Call) -> Vec<Reg> {
-        let below = &self.needed[self.entries.number(Entry::Select(call.select))];
-        let params = &self.graph.select(call.select).params;
-        call.args.results.iter().zip(params).filter(|(_, slot)| has(below, **slot)).map(|it| *it.0).collect()
+    fn call_args(&self, select: SelectId, args: &Code) -> Vec<Reg> {
+        let below = &self.needed[self.entries.number(Entry::Select(select))];
+        let params = &self.graph.select(select).params;
+        args.results.iter().zip(params).filter(|(_, slot)| has(below, **slot)).map(|it| *it.0).collect()
     }
 
     fn call(&self, call: &Call) -> Slots {
         let below = &self.needed[self.entries.number(Entry::Select(call.select))];
         let params = &self.graph.select(call.select).params;
-        let needed = self.call_args(call);
+        let needed = self.call_args(call.select, &call.args);
         let mut slots: Slots = below.iter().filter(|it| !params.contains(it)).copied().collect();
         add_all(&mut slots, &self.back(&call.args, &needed, &Slots::new()).slots);
         slots
@@ -299,8 +304,8 @@ impl<'g> Analysis<'g> {
         self.marked(code, &[], stores).1
     }
 
-    pub(super) fn marks_of_call(&self, call: &Call) -> Marks {
-        self.marked(&call.args, &self.call_args(call), &[]).1
+    pub(super) fn marks_of_call(&self, select: SelectId, args: &Code) -> Marks {
+        self.marked(args, &self.call_args(select, args), &[]).1
     }
 
     pub(super) fn marks_of_system_call(&self, call: &SystemCall) -> Marks {
@@ -328,8 +333,8 @@ impl<'g> Analysis<'g> {
 
     /// The same, and which operations matter.
     fn marked(&self, code: &Code, results: &[Reg], stores: &[Slot]) -> (Needs, Marks) {
-        let mut marks = vec![false; code.ops.len()];
-        let mut now = Before { regs: vec![false; usize::from(code.registers)], needs: Needs::default() };
+        let mut marks = smallvec![false; code.ops.len()];
+        let mut now = Before { regs: smallvec![false; usize::from(code.registers)], needs: Needs::default() };
         results.iter().for_each(|it| now.need(*it));
         now.needs.slots = stores.to_vec();
         // What is needed where something jumps to.

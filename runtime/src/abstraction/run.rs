@@ -58,20 +58,31 @@ pub(super) enum Outcome {
 }
 
 /// All that a run has met.
-pub(super) struct Explored<'f> {
-    run: Run<'f>,
+#[derive(Debug)]
+pub(super) struct Explored {
     pub(super) met: Vec<Met>,
+    /// All nodes by number, as they were first met.
+    steps: Vec<Step>,
 }
 
 /// A state that a run has met.
+#[derive(Debug)]
 pub(super) struct Met {
     /// Its number in the run.
     number: u32,
-    pub(super) state: AbstractState,
     /// What may be chosen there.
     pub(super) chosen: Chosen,
     /// Whether the run's first state leads to it whatever the draws.
     pub(super) certain: bool,
+}
+
+/// A step on the way to a state.
+#[derive(Debug)]
+struct Step {
+    state: AbstractState,
+    /// The state that it was first met from, and the place of the call.
+    from: Option<u32>,
+    called: Origin,
 }
 
 /// Where a state of a run leads to.
@@ -158,9 +169,13 @@ impl<'f> Run<'f> {
     }
 
     /// Runs on from the state it begins at, and gives all that was met; none if it is too much.
-    pub(super) fn explore(mut self, walker: &mut Walker) -> Option<Explored<'f>> {
+    pub(super) fn explore(mut self, walker: &mut Walker) -> Option<Explored> {
         let is_known = self.go(walker, |state, _| Ok(Meeting::Own(state))).unwrap_or(false);
-        is_known.then(|| Explored { met: self.all_met(), run: self })
+        is_known.then(|| {
+            let met = self.all_met();
+            let step = |Node { state, from, called, .. }: Node| Step { state, from, called };
+            Explored { met, steps: self.nodes.into_iter().map(step).collect() }
+        })
     }
 
     /// Runs on from the state it begins at, and gives what each state that was met amounts to; none if it is too much, or a
@@ -232,22 +247,17 @@ impl<'f> Run<'f> {
         let met = |number: u32| {
             let node = &self.nodes[number as usize];
             let chosen = node.drawn.as_ref().map(|it| it.chosen.clone()).unwrap_or_default();
-            Met { number, state: node.state.clone(), chosen, certain: certain[number as usize] }
+            Met { number, chosen, certain: certain[number as usize] }
         };
         numbers.map(met).collect()
     }
 
     /// The way to a node as it was first met.
     fn way(&self, number: u32) -> Vec<(AbstractState, Origin)> {
-        let mut way = Vec::new();
-        let mut at = Some(number);
-        while let Some(number) = at {
-            let node = &self.nodes[number as usize];
-            way.push((node.state.clone(), node.called));
-            at = node.from.filter(|it| *it != number);
-        }
-        way.reverse();
-        way
+        way_to(number, |it| {
+            let Node { state, from, called, .. } = &self.nodes[it as usize];
+            (state, *from, *called)
+        })
     }
 
     fn lay(&self, entry: Entry) -> &'f Lay {
@@ -433,11 +443,35 @@ impl<'f> Run<'f> {
     }
 }
 
-impl Explored<'_> {
+impl Explored {
+    /// A state that was met.
+    pub(super) fn state(&self, met: &Met) -> &AbstractState {
+        &self.steps[met.number as usize].state
+    }
+
     /// The way to a state, itself last, with the places of the calls. It may be as long as there are states.
     pub(super) fn way(&self, met: &Met) -> Vec<(AbstractState, Origin)> {
-        self.run.way(met.number)
+        way_to(met.number, |it| {
+            let Step { state, from, called } = &self.steps[it as usize];
+            (state, *from, *called)
+        })
     }
+}
+
+/// The way to the node of a number, itself last; `node` tells of each its state, the one before it and the place of the call.
+fn way_to<'n>(
+    number: u32,
+    node: impl Fn(u32) -> (&'n AbstractState, Option<u32>, Origin),
+) -> Vec<(AbstractState, Origin)> {
+    let mut way = Vec::new();
+    let mut at = Some(number);
+    while let Some(number) = at {
+        let (state, from, called) = node(number);
+        way.push((state.clone(), called));
+        at = from.filter(|it| *it != number);
+    }
+    way.reverse();
+    way
 }
 
 fn joined(a: &AbstractState, b: &AbstractState) -> AbstractState {

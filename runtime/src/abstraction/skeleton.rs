@@ -9,12 +9,12 @@ use super::needs::{Analysis, Sinks};
 use super::slim::slim;
 use crate::form::{Code, Formal, Graph, Node, PrimitiveKind, Select, System};
 
-/// The skeleton of a graph; `None` if its parts do not fit together, which they do.
-pub(crate) fn skeleton(graph: &Graph) -> Option<Graph> {
+/// The skeleton of a graph.
+pub(crate) fn skeleton(graph: &Graph) -> Graph {
     let nodes = graph.nodes().iter().map(node).collect();
     let selects = graph.selects().iter().map(|it| Select { proxy: None, ..it.clone() }).collect();
     let systems = graph.systems().iter().map(system).collect();
-    let bare = graph.with_parts(nodes, selects, systems, graph.functions().to_vec())?;
+    let bare = graph.with_parts(Some(nodes), Some(selects), Some(systems), None);
     let entries = Entries::of(&bare);
     let needs = Analysis::run(&bare, &entries, Sinks::Exact);
     slim(&bare, &needs)

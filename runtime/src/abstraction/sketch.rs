@@ -52,8 +52,8 @@ pub(crate) enum What {
     State(u32),
     /// What lies in all of these.
     Intersect(Vec<Sketch>),
-    /// What lies in the first of these and in none of the others.
-    Difference(Vec<Sketch>),
+    /// What lies in the first of these and in nothing of the second, which so many solids were put into and whose bounds nobody asks for.
+    Difference { operands: Box<[Sketch; 2]>, taken: usize },
 }
 
 /// What something amounts to at most.
@@ -140,6 +140,11 @@ impl Sketch {
     /// Adds primitives with these bounds.
     pub(crate) fn add(&mut self, loose: Loose, copies: u64) {
         self.fixed = Loose::union(&[self.fixed, loose]);
+        self.count(copies);
+    }
+
+    /// Adds primitives that only count.
+    pub(crate) fn count(&mut self, copies: u64) {
         self.primitives = self.primitives.saturating_add(copies);
     }
 
@@ -147,9 +152,9 @@ impl Sketch {
     pub(crate) fn weight(&self) -> usize {
         let of = |part: &Part| match &part.what {
             What::State(_) => 1,
-            What::Intersect(operands) | What::Difference(operands) => {
-                1 + operands.iter().map(Self::weight).sum::<usize>()
-            }
+            What::Intersect(operands) => 1 + operands.iter().map(Self::weight).sum::<usize>(),
+            // As if what is taken away were each by itself.
+            What::Difference { operands: two, taken } => two.iter().map(Self::weight).sum::<usize>() + taken,
         };
         1 + self.parts.iter().map(of).sum::<usize>()
     }
@@ -174,11 +179,7 @@ impl Sketch {
             match &part.what {
                 What::State(state) => visit(&way, *state),
                 What::Intersect(operands) => operands.iter().for_each(|it| it.ways(&way, visit)),
-                What::Difference(operands) => {
-                    if let Some(first) = operands.first() {
-                        first.ways(&way, visit);
-                    }
-                }
+                What::Difference { operands, .. } => operands[0].ways(&way, visit),
             }
         }
     }
@@ -195,9 +196,9 @@ impl Part {
                 let all: Vec<Extent> = operands.iter().map(|it| it.extent(known)).collect();
                 whole(all.iter().map(|it| it.loose).reduce(Loose::intersection).unwrap_or(Loose::EMPTY), &all)
             }
-            What::Difference(operands) => {
-                let all: Vec<Extent> = operands.iter().map(|it| it.extent(known)).collect();
-                whole(all.first().map_or(Loose::EMPTY, |it| it.loose), &all)
+            What::Difference { operands, .. } => {
+                let both = operands.each_ref().map(|it| it.extent(known));
+                whole(both[0].loose, &both)
             }
         };
         Extent { loose: own.loose.through(&self.way), ..own }

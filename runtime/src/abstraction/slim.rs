@@ -6,39 +6,60 @@
 use super::needs::{Analysis, Marks};
 use crate::form::{Call, Choice, Code, Formal, Function, Graph, Node, Op, Origin, Rule, Select, System, SystemCall};
 
-/// The graph with short codes; `None` if its parts no longer fit together, which they do.
-pub(super) fn slim(graph: &Graph, flows: &Analysis<'_>) -> Option<Graph> {
-    let nodes = graph.nodes().iter().map(|it| node(flows, it)).collect();
-    let selects = graph.selects().iter().map(|it| select(flows, it)).collect();
-    let systems = graph.systems().iter().enumerate().map(|(number, it)| system(flows, number, it)).collect();
-    let functions = graph.functions().iter().map(|it| function(flows, it)).collect();
+/// The graph with short codes. What has nothing that could be left out is shared with the whole one.
+pub(super) fn slim(graph: &Graph, flows: &Analysis<'_>) -> Graph {
+    let nodes = changed(graph.nodes(), |_, it| node(flows, it));
+    let selects = changed(graph.selects(), |_, it| select(flows, it));
+    let systems = changed(graph.systems(), |number, it| system(flows, number, it));
+    let functions = changed(graph.functions(), |_, it| function(flows, it));
     graph.with_parts(nodes, selects, systems, functions)
 }
 
-fn node(flows: &Analysis<'_>, node: &Node) -> Node {
+/// A table with what `change` makes of its entries; none if it makes nothing else of any.
+fn changed<T: Clone>(table: &[T], change: impl Fn(usize, &T) -> Option<T>) -> Option<Vec<T>> {
+    let mut changed: Option<Vec<T>> = None;
+    for (number, entry) in table.iter().enumerate() {
+        match (change(number, entry), &mut changed) {
+            (None, None) => {}
+            (None, Some(all)) => all.push(entry.clone()),
+            (Some(other), all) => all
+                .get_or_insert_with(|| {
+                    let mut all = Vec::with_capacity(table.len());
+                    all.extend_from_slice(&table[..number]);
+                    all
+                })
+                .push(other),
+        }
+    }
+    changed
+}
+
+fn node(flows: &Analysis<'_>, node: &Node) -> Option<Node> {
     let whole = |code: &Code| shortened(code, &flows.marks_of_results(code));
     match node {
-        Node::Primitive { kind, code, origin } => Node::Primitive { kind: *kind, code: whole(code), origin: *origin },
+        Node::Primitive { kind, code, origin } => {
+            Some(Node::Primitive { kind: *kind, code: whole(code)?, origin: *origin })
+        }
         Node::Transform { kind, code, body, origin } => {
-            Node::Transform { kind: *kind, code: whole(code), body: *body, origin: *origin }
+            Some(Node::Transform { kind: *kind, code: whole(code)?, body: *body, origin: *origin })
         }
         Node::Calc { code, body, origin } => {
-            let code = shortened(code, &flows.marks_of_stores(code, flows.at_node(*body)));
-            Node::Calc { code, body: *body, origin: *origin }
+            let code = shortened(code, &flows.marks_of_stores(code, flows.at_node(*body)))?;
+            Some(Node::Calc { code, body: *body, origin: *origin })
         }
         Node::Repeat { count, index, body, origin } => {
-            Node::Repeat { count: whole(count), index: *index, body: *body, origin: *origin }
+            Some(Node::Repeat { count: whole(count)?, index: *index, body: *body, origin: *origin })
         }
         Node::Choice { condition, then, otherwise } => {
-            Node::Choice { condition: whole(condition), then: *then, otherwise: *otherwise }
+            Some(Node::Choice { condition: whole(condition)?, then: *then, otherwise: *otherwise })
         }
-        Node::Call(call) => {
-            let args = shortened(&call.args, &flows.marks_of_call(call));
-            Node::Call(Call { args, ..call.clone() })
+        Node::Call(Call { select, args, place, origin }) => {
+            let args = shortened(args, &flows.marks_of_call(*select, args))?;
+            Some(Node::Call(Call { select: *select, args, place: *place, origin: *origin }))
         }
         Node::System(call) => {
-            let args = shortened(&call.args, &flows.marks_of_system_call(call));
-            Node::System(SystemCall { args, ..call.clone() })
+            let args = shortened(&call.args, &flows.marks_of_system_call(call))?;
+            Some(Node::System(Box::new(SystemCall { args, ..SystemCall::clone(call) })))
         }
         Node::Empty
         | Node::Paint { .. }
@@ -46,41 +67,65 @@ fn node(flows: &Analysis<'_>, node: &Node) -> Node {
         | Node::Union(_)
         | Node::Intersect(_)
         | Node::Difference(..)
-        | Node::Shape(_) => node.clone(),
+        | Node::Shape(_) => None,
     }
 }
 
-fn select(flows: &Analysis<'_>, select: &Select) -> Select {
+fn select(flows: &Analysis<'_>, select: &Select) -> Option<Select> {
     let whole = |code: &Code| shortened(code, &flows.marks_of_results(code));
-    let rule =
-        |it: &Rule| Rule { guard: it.guard.as_ref().map(whole), weight: it.weight.as_ref().map(whole), ..it.clone() };
+    let part = |code: &Option<Code>| code.as_ref().and_then(whole);
+    let rule = |it: &Rule| match (part(&it.guard), part(&it.weight)) {
+        (None, None) => None,
+        (guard, weight) => {
+            let (guard, weight) = (guard.or_else(|| it.guard.clone()), weight.or_else(|| it.weight.clone()));
+            Some(Rule { label: it.label.clone(), guard, weight, body: it.body, origin: it.origin })
+        }
+    };
     let choice = match &select.choice {
-        Choice::Function(code) => Choice::Function(whole(code)),
-        other => other.clone(),
+        Choice::Function(code) => whole(code).map(Choice::Function),
+        Choice::First | Choice::Weighted(_) => None,
     };
-    Select { choice, rules: select.rules.iter().map(rule).collect(), ..select.clone() }
+    let rules = changed(&select.rules, |_, it| rule(it));
+    (choice.is_some() || rules.is_some()).then(|| Select {
+        module: select.module.clone(),
+        system: select.system,
+        params: select.params.clone(),
+        choice: choice.unwrap_or_else(|| select.choice.clone()),
+        rules: rules.unwrap_or_else(|| select.rules.clone()),
+        proxy: select.proxy,
+        origin: select.origin,
+    })
 }
 
-fn system(flows: &Analysis<'_>, number: usize, system: &System) -> System {
+fn system(flows: &Analysis<'_>, number: usize, system: &System) -> Option<System> {
     let (lets, vars) = flows.marks_of_start(number, system);
-    let default = |it: &Formal| Formal {
-        default: it.default.as_ref().map(|it| shortened(it, &flows.marks_of_results(it))),
-        ..it.clone()
+    let default = |it: &Formal| {
+        let default = it.default.as_ref().and_then(|it| shortened(it, &flows.marks_of_results(it)))?;
+        Some(Formal { default: Some(default), ..it.clone() })
     };
-    System {
-        formals: system.formals.iter().map(default).collect(),
-        lets: shortened(&system.lets, &lets),
-        vars: shortened(&system.vars, &vars),
-        ..system.clone()
+    let formals = changed(&system.formals, |_, it| default(it));
+    let (lets, vars) = (shortened(&system.lets, &lets), shortened(&system.vars, &vars));
+    (formals.is_some() || lets.is_some() || vars.is_some()).then(|| System {
+        name: system.name.clone(),
+        slots: system.slots.clone(),
+        formals: formals.unwrap_or_else(|| system.formals.clone()),
+        lets: lets.unwrap_or_else(|| system.lets.clone()),
+        vars: vars.unwrap_or_else(|| system.vars.clone()),
+        start: system.start,
+        origin: system.origin,
+    })
+}
+
+fn function(flows: &Analysis<'_>, function: &Function) -> Option<Function> {
+    let code = shortened(&function.code, &flows.marks_of_results(&function.code))?;
+    Some(Function { name: function.name.clone(), params: function.params, code, origin: function.origin })
+}
+
+/// A code with the operations that are marked, and its jumps; none if those are all.
+fn shortened(code: &Code, marks: &Marks) -> Option<Code> {
+    if marks.iter().all(|it| *it) {
+        return None;
     }
-}
-
-fn function(flows: &Analysis<'_>, function: &Function) -> Function {
-    Function { code: shortened(&function.code, &flows.marks_of_results(&function.code)), ..function.clone() }
-}
-
-/// A code with the operations that are marked, and its jumps.
-fn shortened(code: &Code, marks: &Marks) -> Code {
     let stays = |number: usize| marks.get(number).copied().unwrap_or(true);
     // Where each operation stands afterwards, or the next one that stays.
     let mut places = Vec::with_capacity(code.ops.len() + 1);
@@ -97,10 +142,10 @@ fn shortened(code: &Code, marks: &Marks) -> Code {
         other => other.clone(),
     };
     let kept = || (0..code.ops.len()).filter(|it| stays(*it));
-    Code {
+    Some(Code {
         ops: kept().map(|it| op(&code.ops[it])).collect(),
         origins: kept().map(|it| code.origins.get(it).copied().unwrap_or(Origin::NONE)).collect(),
         registers: code.registers,
         results: code.results.clone(),
-    }
+    })
 }

@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::canon::Canon;
 use super::entries::Circle;
@@ -37,7 +37,7 @@ pub(crate) struct Survey {
 /// A way of looking at the states of a scene, with what it has seen.
 #[derive(Debug)]
 struct Lens {
-    flow: Flow,
+    flow: Arc<Flow>,
     depth: u32,
     canon: Mutex<Canon>,
     translated: Translated,
@@ -72,18 +72,19 @@ impl Scout {
 
 impl Survey {
     pub(crate) fn new(scene: &Scene, limits: &Limits) -> Self {
+        Self::with_flow(Arc::new(Flow::of(scene)), scene, limits)
+    }
+
+    /// The same, of the flow of the scene.
+    pub(super) fn with_flow(flow: Arc<Flow>, scene: &Scene, limits: &Limits) -> Self {
         let lens = |flow| Lens {
             flow,
             depth: limits.depth,
             canon: Mutex::new(Canon::new(limits)),
             translated: Translated::new(limits),
         };
-        Self { strict: lens(Flow::of(scene)), coarse: Flow::with_measures_as_data(scene).map(lens) }
-    }
-
-    /// The scene, as abstract states see it.
-    pub(super) fn flow(&self) -> &Flow {
-        &self.strict.flow
+        let coarse = flow.with_measures_as_data(scene).map(|it| lens(Arc::new(it)));
+        Self { strict: lens(flow), coarse }
     }
 
     /// Whether no two states of this kind are likely to amount to the same: they draw, or carry data.

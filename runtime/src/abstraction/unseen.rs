@@ -5,32 +5,25 @@
 
 use std::collections::BTreeSet;
 
-use super::certain::{MOST_STATES, bounded, concrete};
+use super::certain::{MOST_STATES, concrete};
 use super::flow::Flow;
-use super::run::{Rest, Run};
-use super::walk::{Formals, Walker};
+use super::run::Explored;
 use crate::derive::{Deriver, Placed, Step, Watcher};
 use crate::fault::Fault;
 use crate::form::{Graph, Node, Origin, Scene, Shape, ShapeId, Value};
-use crate::limits::Limits;
 use crate::trace::{Entry, Expander, State};
 
 /// On how many paths a shape with draws is derived.
 const PATHS: u32 = 16;
 
-/// The places in the text of segments that are left out, whatever is drawn: those without length, and those without thickness at either end.
-pub fn unseen_segments(scene: &Scene, limits: &Limits) -> Vec<Origin> {
-    let flow = Flow::of(scene);
-    let mut walker = Walker::new(Formals::AsGiven);
-    let met = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
-    let limits = bounded(limits);
-    let expander = Expander::new(scene, &limits);
+/// The places in the text of segments that are left out; the expander is one within limits of its own.
+pub(super) fn segments(scene: &Scene, expander: &Expander<'_>, flow: &Flow, explored: &Explored) -> Vec<Origin> {
     let mut segments = Segments::default();
-    for it in met.iter().flat_map(|it| &it.met).filter(|it| it.certain).take(MOST_STATES) {
-        let Some(state) = concrete(&expander, &flow, &it.state) else { continue };
+    for it in explored.met.iter().filter(|it| it.certain).take(MOST_STATES) {
+        let Some(state) = concrete(expander, flow, explored.state(it)) else { continue };
         if let Some(shape) = shape_of(&scene.graph, &state) {
-            let mut deriver = Deriver::new(&scene.graph, scene.seed, &limits);
-            segments.look_at(&mut deriver, shape, &state, &expander);
+            let mut deriver = Deriver::new(&scene.graph, scene.seed, expander.limits());
+            segments.look_at(&mut deriver, shape, &state, expander);
         }
     }
     segments.unseen().collect()

@@ -8,14 +8,12 @@ use std::collections::{BTreeMap, HashSet};
 
 use glam::{DAffine3, DVec3};
 
-use super::certain::{MOST_STATES, bounded, concrete};
+use super::certain::{MOST_STATES, concrete};
 use super::flow::Flow;
 use super::loose::primitive_bounds;
-use super::run::{Rest, Run};
-use super::walk::{Formals, Walker};
-use crate::form::{Origin, PrimitiveKind, Scene};
+use super::run::Explored;
+use crate::form::{Origin, PrimitiveKind};
 use crate::geometry::{Aabb, Primitive};
-use crate::limits::Limits;
 use crate::trace::{Entry, Expander, Group, Solid};
 
 /// How near two solids are one, in parts of their size: the pieces of a ray that are left between them are too short to count.
@@ -40,26 +38,23 @@ type Place = (u32, u32, u32);
 /// What stands at each place, by its first solid and its last: nothing, as far as is known.
 type Places = BTreeMap<(Place, Place), Option<Vain>>;
 
-/// The solids of a scene that have nothing in them, whatever is drawn.
-pub fn vain_solids(scene: &Scene, limits: &Limits) -> Vec<Vain> {
-    let flow = Flow::of(scene);
-    let expander = Expander::new(scene, &bounded(limits));
-    let mut walker = Walker::new(Formals::AsGiven);
-    let met = walker.root(&flow).and_then(|root| Run::new(&flow, Rest::Wide, root).explore(&mut walker));
+/// The solids among all that was met that have nothing in them; the expander is one within limits of its own.
+pub(super) fn solids(expander: &Expander<'_>, flow: &Flow, explored: &Explored) -> Vec<Vain> {
     // Of entries that are met with values that are not looked at, nothing is known.
     let mut unknown: HashSet<Entry> = HashSet::new();
     let mut found: Vec<(Entry, Places)> = Vec::new();
-    for (number, it) in met.iter().flat_map(|it| &it.met).enumerate() {
-        let state = (it.certain && number < MOST_STATES).then(|| concrete(&expander, &flow, &it.state)).flatten();
+    for (number, it) in explored.met.iter().enumerate() {
+        let met = explored.state(it);
+        let state = (it.certain && number < MOST_STATES).then(|| concrete(expander, flow, met)).flatten();
         let group = state.filter(|it| it.path.is_none()).and_then(|it| expander.expand(&it).ok());
         match group {
             Some(group) => {
                 let mut places = Places::new();
                 look(&group, &mut places);
-                found.push((it.state.entry, places));
+                found.push((met.entry, places));
             }
             None => {
-                unknown.insert(it.state.entry);
+                unknown.insert(met.entry);
             }
         }
     }

@@ -89,6 +89,14 @@ struct Here {
     linear: Option<Rc<LinearMap>>,
     copies: u64,
     certain: bool,
+    /// Whether nobody asks how far it reaches: it is taken away from something.
+    is_counted: bool,
+}
+
+impl Here {
+    fn start() -> Self {
+        Self { way: Way::default(), linear: None, copies: 1, certain: true, is_counted: false }
+    }
 }
 
 impl Walker {
@@ -142,7 +150,7 @@ impl Walker {
         self.stretches = 1;
         let mut sketch = Sketch::default();
         let mut chosen = Chosen::default();
-        let mut here = Here { way: Way::default(), linear: None, copies: 1, certain: true };
+        let mut here = Here::start();
         match state.entry {
             Entry::System(id) => self.add(flow, &mut sketch, flow.graph.system(id).start, here),
             Entry::Select(id) => {
@@ -154,7 +162,7 @@ impl Walker {
                 }
                 if let Some(proxy) = select.proxy {
                     // Bounds hold for what stands for the state from far away as well, which is no part of it.
-                    here = Here { way: Way::default(), linear: None, copies: 0, certain: false };
+                    here = Here { copies: 0, certain: false, ..Here::start() };
                     self.add(flow, &mut sketch, proxy, here);
                 }
             }
@@ -246,7 +254,9 @@ impl Walker {
                 Node::Primitive { kind, code, .. } => {
                     self.work += PRIMITIVE;
                     if let Fixed::Primitive(primitive) = flow.fixed(node) {
-                        if let Some(primitive) = primitive {
+                        if here.is_counted {
+                            sketch.count(if primitive.is_some() { here.copies } else { 0 });
+                        } else if let Some(primitive) = primitive {
                             let loose = bounds_of(primitive, &here.way);
                             let corners = here.linear.and_then(|it| it.bounds(*kind));
                             sketch.add(corners.map_or(loose, |it| loose.intersection(it)), here.copies);
@@ -313,9 +323,8 @@ impl Walker {
                     return;
                 }
                 Node::Difference(first, others) => {
-                    let mut operands = self.operands(flow, &[*first], &here);
-                    operands.append(&mut self.operands(flow, others, &here));
-                    sketch.parts.push(Part { way: here.way, copies: here.copies, what: What::Difference(operands) });
+                    let what = self.difference(flow, *first, others, &here);
+                    sketch.parts.push(Part { way: here.way, copies: here.copies, what });
                     return;
                 }
                 Node::Call(call) => {
@@ -384,13 +393,24 @@ impl Walker {
     }
 
     fn operands(&mut self, flow: &Flow, operands: &[NodeId], here: &Here) -> Vec<Sketch> {
-        let inner = Here { way: Way::default(), linear: None, copies: 1, certain: here.certain };
+        let inner = Here { is_counted: here.is_counted, certain: here.certain, ..Here::start() };
         let of = |operand: &NodeId| {
             let mut sketch = Sketch::default();
             self.add(flow, &mut sketch, *operand, inner.clone());
             sketch
         };
         operands.iter().map(of).collect()
+    }
+
+    /// A difference: what is taken away only counts, so all of it is one sketch, however many solids that are.
+    fn difference(&mut self, flow: &Flow, first: NodeId, others: &[NodeId], here: &Here) -> What {
+        let inner = Here { is_counted: here.is_counted, certain: here.certain, ..Here::start() };
+        let (mut kept, mut taken) = (Sketch::default(), Sketch::default());
+        self.add(flow, &mut kept, first, inner.clone());
+        for other in others {
+            self.add(flow, &mut taken, *other, Here { is_counted: true, ..inner.clone() });
+        }
+        What::Difference { operands: Box::new([kept, taken]), taken: others.len() }
     }
 
     fn reach(&mut self, sketch: &mut Sketch, state: Option<AbstractState>, called: Origin, here: Here) {

@@ -53,9 +53,7 @@ pub struct Spread {
 /// # Errors
 /// A fault on the way, or an interrupt.
 pub fn census(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<Option<Census>, Fault> {
-    let Some(bare) = bare(scene) else {
-        return Ok(None);
-    };
+    let bare = bare(scene);
     let expander = Expander::new(&bare, limits);
     let root = expander.root()?;
     let chance = root.path.is_some();
@@ -72,9 +70,7 @@ pub fn census(scene: &Scene, limits: &Limits, watch: &dyn Watch) -> Result<Optio
 /// # Errors
 /// A fault on the way with any of them, or an interrupt.
 pub fn over_seeds(scene: &Scene, seeds: u32, limits: &Limits, watch: &dyn Watch) -> Result<Option<Spread>, Fault> {
-    let Some(mut bare) = bare(scene) else {
-        return Ok(None);
-    };
+    let mut bare = bare(scene);
     let left = Cell::new(MOST_PARTS);
     let mut sum = 0.0;
     let mut range: Option<[(Number, u64); 2]> = None;
@@ -97,7 +93,6 @@ pub fn over_seeds(scene: &Scene, seeds: u32, limits: &Limits, watch: &dyn Watch)
 }
 
 /// The scene with the skeleton of its graph.
-fn bare(scene: &Scene) -> Option<Scene> {
-    let graph = skeleton(&scene.graph)?;
-    Some(Scene { graph, ..scene.clone() })
+fn bare(scene: &Scene) -> Scene {
+    Scene { graph: skeleton(&scene.graph), ..scene.clone() }
 }

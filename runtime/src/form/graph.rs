@@ -22,17 +22,19 @@ pub struct SystemId(pub u32);
 /// The nodes by themselves have no cycles: a node names only nodes before it. Cycles run through [`Node::Call`], which
 /// goes to an S-node ([`Select`]), and [`Node::System`], which goes to another system's start. So a traversal that bounds
 /// its visits to those two terminates.
+///
+/// Its tables are shared by all its clones.
 #[derive(Clone, Debug)]
 pub struct Graph {
-    nodes: Vec<Node>,
-    selects: Vec<Select>,
-    systems: Vec<System>,
-    functions: Vec<Function>,
-    shapes: Vec<Shape>,
+    nodes: Arc<Vec<Node>>,
+    selects: Arc<Vec<Select>>,
+    systems: Arc<Vec<System>>,
+    functions: Arc<Vec<Function>>,
+    shapes: Arc<Vec<Shape>>,
     /// Each is there once, however many graphs and primitives share it.
     meshes: Vec<Arc<Triangles>>,
     /// See [`Graph::is_unclipped`].
-    unclipped: Box<[bool]>,
+    unclipped: Arc<[bool]>,
     root: SystemId,
     stops_after: Option<u64>,
 }
@@ -117,7 +119,7 @@ pub enum Node {
     /// A module: binds the S-node's parameters and goes there.
     Call(Call),
     /// A system used as a solid.
-    System(SystemCall),
+    System(Box<SystemCall>),
     /// What a shape derives to, in the environment of its system.
     Shape(ShapeId),
 }
@@ -325,24 +327,43 @@ impl Graph {
         meshes: Vec<Arc<Triangles>>,
         root: SystemId,
     ) -> Result<Self, GraphError> {
-        let unclipped = Box::default();
-        let mut graph = Self { nodes, selects, systems, functions, shapes, meshes, unclipped, root, stops_after: None };
+        let graph = Self {
+            nodes: table(nodes),
+            selects: table(selects),
+            systems: table(systems),
+            functions: table(functions),
+            shapes: table(shapes),
+            meshes,
+            unclipped: Arc::default(),
+            root,
+            stops_after: None,
+        };
         graph.check()?;
-        graph.unclipped = graph.find_unclipped();
-        Ok(graph)
+        let unclipped = graph.find_unclipped();
+        Ok(Self { unclipped, ..graph })
     }
 
-    /// The graph with other nodes, S-nodes, systems and functions in the places of its own; `None` when they do not fit together.
+    /// The graph with other nodes, S-nodes, systems and functions in the places of its own, where there are some; as it is when they do not
+    /// fit together.
     pub(crate) fn with_parts(
         &self,
-        nodes: Vec<Node>,
-        selects: Vec<Select>,
-        systems: Vec<System>,
-        functions: Vec<Function>,
-    ) -> Option<Self> {
-        let (shapes, meshes) = (self.shapes.clone(), self.meshes.clone());
-        let graph = Self::with_shapes(nodes, selects, systems, functions, shapes, meshes, self.root).ok()?;
-        Some(Self { stops_after: self.stops_after, ..graph })
+        nodes: Option<Vec<Node>>,
+        selects: Option<Vec<Select>>,
+        systems: Option<Vec<System>>,
+        functions: Option<Vec<Function>>,
+    ) -> Self {
+        let graph = Self {
+            nodes: nodes.map_or_else(|| Arc::clone(&self.nodes), table),
+            selects: selects.map_or_else(|| Arc::clone(&self.selects), table),
+            systems: systems.map_or_else(|| Arc::clone(&self.systems), table),
+            functions: functions.map_or_else(|| Arc::clone(&self.functions), table),
+            ..self.clone()
+        };
+        if graph.check().is_err() {
+            return self.clone();
+        }
+        let unclipped = graph.find_unclipped();
+        Self { unclipped, ..graph }
     }
 
     /// The same graph, in which every derivation of a shape stops after so many rules: young plants.
@@ -428,4 +449,10 @@ impl Graph {
     pub fn function(&self, id: FunctionId) -> &Function {
         &self.functions[id.0 as usize]
     }
+}
+
+/// A table without room to grow: a program may have a million nodes.
+fn table<T>(mut all: Vec<T>) -> Arc<Vec<T>> {
+    all.shrink_to_fit();
+    Arc::new(all)
 }

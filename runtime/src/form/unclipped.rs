@@ -2,11 +2,13 @@
 //!
 //! Only such a hull needs an end of its own.
 
+use std::sync::Arc;
+
 use super::{Graph, Node, NodeId, Stride};
 
 impl Graph {
     /// For each shape, whether some way from the root to it leads through nothing that cuts it.
-    pub(super) fn find_unclipped(&self) -> Box<[bool]> {
+    pub(super) fn find_unclipped(&self) -> Arc<[bool]> {
         let mut unclipped = vec![false; self.shapes().len()];
         let mut seen = vec![false; self.nodes().len()];
         // A module may have as many rules as it has calls: they are gone through once.

@@ -64,7 +64,7 @@ pub enum BadMesh {
         /// How many.
         count: usize,
     },
-    /// More triangles than there may be, or three times as many points.
+    /// More triangles than there may be, or three times as many points or normals.
     TooMany {
         /// The line in which it becomes too many.
         line: u32,
@@ -75,15 +75,16 @@ pub enum BadMesh {
     NoExtent,
 }
 
-/// The triangles of a text, of which there may be so many.
+/// The triangles of a text, of which there may be so many. A text that is given away is let go of once it has been read.
 ///
 /// # Errors
 /// Why there are none.
-pub fn decode_obj(bytes: &[u8], most: u64) -> Result<Triangles, BadMesh> {
+pub fn decode_obj(bytes: impl AsRef<[u8]>, most: u64) -> Result<Triangles, BadMesh> {
     let mut reader = Reader { most, ..Reader::default() };
-    for line in Lines::new(bytes) {
+    for line in Lines::new(bytes.as_ref()) {
         reader.read(&line?)?;
     }
+    drop(bytes);
     if reader.polygons.is_empty() {
         return Err(BadMesh::NoFaces);
     }
@@ -114,7 +115,7 @@ const NONE: u32 = u32::MAX;
 
 /// A face: where its corners end.
 struct Polygon {
-    end: usize,
+    end: u32,
     line: u32,
 }
 
@@ -124,14 +125,11 @@ impl Reader {
         match words.next() {
             Some(b"v") => {
                 let point = vector(line, &mut words, "v")?;
-                if self.points.len() as u64 >= self.most.saturating_mul(3) {
-                    return Err(BadMesh::TooMany { line: line.number });
-                }
-                self.points.push(point);
+                push_one_of_few(&mut self.points, point, self.most, line)?;
             }
             Some(b"vn") => {
                 let normal = vector(line, &mut words, "vn")?;
-                self.normals.push(normal);
+                push_one_of_few(&mut self.normals, normal, self.most, line)?;
             }
             Some(b"f" | b"fo") => self.face(line, words)?,
             _ => {}
@@ -153,7 +151,7 @@ impl Reader {
         if self.triangles > self.most {
             return Err(BadMesh::TooMany { line: line.number });
         }
-        self.polygons.push(Polygon { end: self.corners.len(), line: line.number });
+        self.polygons.push(Polygon { end: self.corners.len() as u32, line: line.number });
         Ok(())
     }
 
@@ -181,8 +179,8 @@ impl Reader {
         let mut faces = Vec::with_capacity(self.triangles as usize);
         let mut begin = 0;
         for Polygon { end, line } in self.polygons {
-            let corners = &self.corners[begin..end];
-            begin = end;
+            let corners = &self.corners[begin..end as usize];
+            begin = end as usize;
             let mut points = Vec::with_capacity(corners.len());
             for Corner { point, .. } in corners {
                 points.push(
@@ -209,6 +207,15 @@ impl Reader {
         }
         Ok(MeshPieces { points: self.points, normals: self.normals, faces })
     }
+}
+
+/// Adds a point or a normal, of which there may be as many as corners of so many triangles.
+fn push_one_of_few(all: &mut Vec<DVec3>, one: DVec3, triangles: u64, line: &Line) -> Result<(), BadMesh> {
+    if all.len() as u64 >= triangles.saturating_mul(3) {
+        return Err(BadMesh::TooMany { line: line.number });
+    }
+    all.push(one);
+    Ok(())
 }
 
 /// A number of something that the whole text does not have.

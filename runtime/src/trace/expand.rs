@@ -7,14 +7,14 @@
 use std::sync::Arc;
 
 use glam::DAffine3;
-use smallvec::SmallVec;
 
 use super::Route;
+use super::distinct::{Constant, Distinct};
 use super::liveness::{Live, Liveness};
 use super::walk::{CHOICE, Here, Walk};
 use crate::eval::{Env, Machine, Path, matrix, trail_step};
 use crate::fault::{Fault, FaultKind, TrailStep};
-use crate::form::{Code, Graph, MaterialId, Node, NodeId, Op, Origin, Reg, Scene, SelectId, Slot, SystemId, Value};
+use crate::form::{Graph, MaterialId, NodeId, Origin, Scene, SelectId, Slot, SystemId, Value};
 use crate::geometry::{Hide, Part, Primitive, Relief, Rind};
 use crate::limits::Limits;
 
@@ -149,7 +149,7 @@ pub struct Expander<'s> {
     /// The reliefs of materials.
     hides: Box<[Option<Arc<Hide>>]>,
     liveness: Liveness,
-    fixed: Vec<Fixed>,
+    fixed: Distinct<Fixed>,
 }
 
 impl<'s> Expander<'s> {
@@ -165,7 +165,7 @@ impl<'s> Expander<'s> {
             on_stems: materials.map(|it| scene.is_painted_on_stems(MaterialId(it))).collect(),
             hides: scene.hides(),
             liveness: Liveness::of(graph),
-            fixed: graph.nodes().iter().map(|it| fixed(graph, it)).collect(),
+            fixed: Distinct::of(graph, Fixed::No, |it| fixed(graph, it)),
         }
     }
 
@@ -199,6 +199,20 @@ impl<'s> Expander<'s> {
     pub fn root(&self) -> Result<State, Fault> {
         let env = self.machine().root(self.graph)?;
         Ok(self.state(Entry::System(self.graph.root()), &env))
+    }
+
+    /// The same where that may take so much.
+    ///
+    /// # Errors
+    /// As [`Expander::root`].
+    pub(crate) fn root_within(&self, limits: &Limits) -> Result<State, Fault> {
+        let env = Machine::new(self.graph.functions(), self.seed, limits).root(self.graph)?;
+        Ok(self.state(Entry::System(self.graph.root()), &env))
+    }
+
+    /// How far things may grow.
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// What a state stands for, up to the next states.
@@ -303,7 +317,7 @@ impl<'s> Expander<'s> {
 
     /// What a node is if it is the same everywhere.
     pub(super) fn fixed(&self, node: NodeId) -> &Fixed {
-        &self.fixed[node.0 as usize]
+        self.fixed.of_node(node)
     }
 
     /// The slots that states of an entry have values of.
@@ -345,27 +359,12 @@ impl<'s> Expander<'s> {
     }
 }
 
-fn fixed(graph: &Graph, node: &Node) -> Fixed {
-    match node {
-        Node::Transform { kind, code, .. } => {
-            let map = constants(code).and_then(|it| matrix(*kind, &it));
-            map.filter(|it| it.is_finite() && it.inverse().is_finite()).map_or(Fixed::No, Fixed::Matrix)
+fn fixed(graph: &Graph, constant: &Constant) -> Fixed {
+    match constant {
+        Constant::Transform(kind, numbers) => {
+            let map = matrix(*kind, numbers).filter(|it| it.is_finite() && it.inverse().is_finite());
+            map.map_or(Fixed::No, Fixed::Matrix)
         }
-        Node::Primitive { kind, code, .. } => {
-            constants(code).and_then(|it| graph.primitive(*kind, &it)).map_or(Fixed::No, Fixed::Primitive)
-        }
-        _ => Fixed::No,
+        Constant::Primitive(kind, numbers) => graph.primitive(*kind, numbers).map_or(Fixed::No, Fixed::Primitive),
     }
-}
-
-/// The numbers that a code gives, if it does nothing else.
-pub(crate) fn constants(code: &Code) -> Option<SmallVec<[f64; 12]>> {
-    let number = |reg: &Reg| {
-        code.ops.iter().rev().find_map(|it| match it {
-            Op::Constant(to, Value::Number(number)) if to == reg => Some(*number),
-            _ => None,
-        })
-    };
-    let only_numbers = code.ops.iter().all(|it| matches!(it, Op::Constant(_, Value::Number(_))));
-    if only_numbers { code.results.iter().map(number).collect() } else { None }
 }

@@ -5,6 +5,7 @@
 
 pub mod cells;
 mod chain;
+mod distinct;
 mod expand;
 mod find;
 mod glances;
@@ -15,8 +16,9 @@ mod route;
 pub(crate) mod shapes;
 mod walk;
 
+pub(crate) use distinct::{Constant, Distinct};
+pub(crate) use expand::WholeStem;
 pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
-pub(crate) use expand::{WholeStem, constants};
 pub use find::{Derivable, find_shape, find_shapes};
 pub use glances::{ABREAST, BareMaterials, Column, Glances, Row, ShadowRays};
 pub use path::Path;

@@ -77,7 +77,7 @@ impl Triangles {
     ///
     /// `None` if no triangle is left, or if one names what is not there.
     pub fn new(pieces: Pieces) -> Option<Self> {
-        let mut welded = weld::weld(&pieces)?;
+        let (mut welded, normals) = weld::weld(pieces)?;
         let gap = edges::gap(&welded);
         if gap.is_none() && weld::volume(&welded) < 0.0 {
             weld::turn_round(&mut welded);
@@ -93,7 +93,7 @@ impl Triangles {
         let corners = faces.iter().map(|it| it.corners).collect();
         let bounds = points.iter().fold(Aabb::EMPTY, |all, it| all.union(&Aabb { min: *it, max: *it }));
         let round = outermost(points.iter().map(|it| DVec2::new(it.truncate().length(), it.z)).collect());
-        let normals = if shading.is_empty() { Vec::new() } else { pieces.normals };
+        let normals = if shading.is_empty() { Vec::new() } else { normals };
         Some(Self { points, corners, normals, shading, tree, bounds, round, gap })
     }
 

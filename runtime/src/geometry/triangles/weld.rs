@@ -12,29 +12,33 @@ pub(super) struct Welded {
     pub(super) faces: Vec<Face>,
 }
 
-/// `None` if no triangle is left, or if one names what is not there.
-pub(super) fn weld(pieces: &Pieces) -> Option<Welded> {
-    let mut welded = Welded { points: Vec::new(), faces: Vec::with_capacity(pieces.faces.len()) };
+/// The triangles, and the normals that they name. `None` if no triangle is left, or if one names what is not there.
+///
+/// There may be millions of them, so they stay where they are.
+pub(super) fn weld(pieces: Pieces) -> Option<(Welded, Vec<DVec3>)> {
+    let Pieces { points: places, normals, mut faces } = pieces;
+    let mut points: Vec<DVec3> = Vec::new();
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    for face in &pieces.faces {
-        let [a, b, c] = face.corners.map(|it| pieces.points.get(it as usize).map(|it| *it + DVec3::ZERO));
-        let places = [a?, b?, c?];
-        if face.normals.iter().flatten().any(|it| *it as usize >= pieces.normals.len()) {
-            return None;
-        }
-        let [a, b, c] = places;
+    let mut is_whole = true;
+    faces.retain_mut(|face| {
+        let found = face.corners.map(|it| places.get(it as usize).map(|it| *it + DVec3::ZERO));
+        let has_normals = face.normals.iter().flatten().all(|it| (*it as usize) < normals.len());
+        let ([Some(a), Some(b), Some(c)], true) = (found, has_normals) else {
+            is_whole = false;
+            return false;
+        };
         if a == b || b == c || c == a {
-            continue;
+            return false;
         }
-        let corners = places.map(|place| {
+        face.corners = [a, b, c].map(|place| {
             *known.entry(place.to_array().map(f64::to_bits)).or_insert_with(|| {
-                welded.points.push(place);
-                welded.points.len() as u32 - 1
+                points.push(place);
+                points.len() as u32 - 1
             })
         });
-        welded.faces.push(Face { corners, ..*face });
-    }
-    (!welded.faces.is_empty()).then_some(welded)
+        true
+    });
+    (is_whole && !faces.is_empty()).then_some((Welded { points, faces }, normals))
 }
 
 /// Six times the volume inside closed triangles: less than 0 if they are inside out.

@@ -34,20 +34,30 @@ const SLACK: f64 = 1e-4;
 /// How near events of a Boolean count as one, in units of its size.
 const TOLERANCE: f64 = 1e-12;
 
-/// The cell of a state.
+/// A cell that was made.
+pub(super) struct Built {
+    pub(super) cell: Cell,
+    /// Whether that of the other grain is the same.
+    pub(super) is_of_both_grains: bool,
+}
+
+/// The cell of a state, by its number in the workshop.
 ///
 /// # Errors
 /// What fails in expanding what is in the state, or in finding how far it reaches.
-pub(super) fn build(store: &Store, generation: &Generation, number: u32, grain: Grain) -> Result<Cell, Fault> {
-    let mut shop = store.workshop();
-    let state = shop.number_of(&generation.state(number));
+pub(super) fn build(mut shop: Workshop, generation: &Generation, state: u32, grain: Grain) -> Result<Built, Fault> {
     let pieces = shop.pieces(state)?;
-    if is_vast(&pieces, shop.measure(state).of(grain)) {
+    let measure = shop.measure(state);
+    if is_vast(&pieces, measure.of(grain)) {
+        let is_of_both_grains = is_vast(&pieces, measure.of(grain.other()));
         let small = shop.has_small_parts(state)?;
-        return lay_out(&mut shop, generation, state, Source::Pieces(pieces, small));
+        shop.let_go_of_pieces(state);
+        let cell = lay_out(&mut shop, generation, state, Source::Pieces(pieces, small))?;
+        return Ok(Built { cell, is_of_both_grains });
     }
     let drafts = Merge::new(&mut shop).run(state, grain)?;
-    lay_out(&mut shop, generation, state, Source::Drafts(drafts))
+    let cell = lay_out(&mut shop, generation, state, Source::Drafts(drafts))?;
+    Ok(Built { cell, is_of_both_grains: false })
 }
 
 /// Whether there are so many pieces that nothing is merged, and that drafts of all of them at once would take much memory.
@@ -88,7 +98,7 @@ fn lay_out(shop: &mut Workshop, generation: &Generation, state: u32, source: Sou
 enum Source {
     Drafts(Vec<Draft>),
     /// Pieces that are reached from the state's frame; whether the state has small parts.
-    Pieces(Arc<[Piece]>, bool),
+    Pieces(Arc<Vec<Piece>>, bool),
 }
 
 /// Members of a union, with the box of each and of all in the state's frame.
@@ -116,14 +126,31 @@ impl Layout<'_, '_, '_> {
                 all.members.reserve(pieces.len());
                 self.cell.leaves.reserve(pieces.len());
                 self.cell.parts.reserve(pieces.len());
-                for some in pieces.chunks(VAST) {
-                    let mut drafts = Vec::new();
-                    draft(self.shop, some, Way { small, ..Way::START }, &mut drafts)?;
-                    self.add(drafts, &mut all)?;
+                match Arc::try_unwrap(pieces) {
+                    Ok(pieces) => self.consume(pieces, small, &mut all)?,
+                    Err(pieces) => pieces.chunks(VAST).try_for_each(|it| self.add_pieces(it, small, &mut all))?,
                 }
             }
         }
         Ok(all)
+    }
+
+    /// Adds pieces that nobody else needs: room is given back as they are done.
+    fn consume(&mut self, mut pieces: Vec<Piece>, small: bool, to: &mut Members) -> Result<(), Fault> {
+        pieces.reverse();
+        while !pieces.is_empty() {
+            let mut some = pieces.split_off(pieces.len().saturating_sub(VAST));
+            some.reverse();
+            pieces.shrink_to_fit();
+            self.add_pieces(&some, small, to)?;
+        }
+        Ok(())
+    }
+
+    fn add_pieces(&mut self, pieces: &[Piece], small: bool, to: &mut Members) -> Result<(), Fault> {
+        let mut drafts = Vec::new();
+        draft(self.shop, pieces, Way { small, ..Way::START }, &mut drafts)?;
+        self.add(drafts, to)
     }
 
     /// Adds drafts to the members of a union.
@@ -152,9 +179,9 @@ impl Layout<'_, '_, '_> {
         let boxed = |bounds: &Aabb| has_box(bounds) && with_box >= least;
         let always = members.iter().filter(|(_, bounds)| !boxed(bounds)).map(|(item, _)| *item).collect();
         let items = members
-            .iter()
+            .into_iter()
             .filter(|(_, bounds)| boxed(bounds))
-            .map(|(item, bounds)| Boxed { bounds: frame.inwards(bounds), item: *item })
+            .map(|(item, bounds)| Boxed { bounds: frame.inwards(&bounds), item })
             .collect();
         let root = bvh::build(&mut self.cell.nodes, items);
         (Union { root, always }, whole)

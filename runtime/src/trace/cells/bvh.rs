@@ -5,6 +5,7 @@
 //! times its area: that makes splits that fill nodes, where the usual count of items leaves them half empty.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
 use super::boxes::{Node, WIDTH};
 use super::cell::{Named, Ref};
@@ -28,13 +29,13 @@ pub(super) fn build(nodes: &mut Vec<Node>, mut items: Vec<Boxed>) -> Option<u32>
     if items.is_empty() {
         return None;
     }
-    let tree = split(&mut items);
-    Some(widen(nodes, &tree))
+    let tree = split(&mut items, 0);
+    Some(widen(nodes, &tree, &items))
 }
 
-/// A binary tree whose leaves have no more items than a node.
+/// A binary tree whose leaves have no more items than a node, each by where they lie among all.
 enum Binary {
-    Leaf(Aabb, Vec<Boxed>),
+    Leaf(Aabb, Range<usize>),
     Fork(Aabb, Box<[Binary; 2]>),
 }
 
@@ -46,15 +47,15 @@ impl Binary {
     }
 }
 
-/// The depth is logarithmic: no part has more than 15/16 of the items.
-fn split(items: &mut [Boxed]) -> Binary {
+/// Splits items, of which the first lies at `start`. The depth is logarithmic: no part has more than 15/16 of the items.
+fn split(items: &mut [Boxed], start: usize) -> Binary {
     let bounds = union(items);
     if items.len() <= WIDTH {
-        return Binary::Leaf(bounds, items.to_vec());
+        return Binary::Leaf(bounds, start..start + items.len());
     }
     let middle = if items.len() > SWEEP_MOST { halve(items, &bounds) } else { sweep(items) };
     let (low, high) = items.split_at_mut(middle);
-    Binary::Fork(bounds, Box::new([split(low), split(high)]))
+    Binary::Fork(bounds, Box::new([split(low, start), split(high, start + middle)]))
 }
 
 fn union(items: &[Boxed]) -> Aabb {
@@ -122,21 +123,21 @@ fn halve(items: &mut [Boxed], bounds: &Aabb) -> usize {
 }
 
 /// Reads a binary tree off as wide nodes; gives the number of its root.
-fn widen(nodes: &mut Vec<Node>, tree: &Binary) -> u32 {
+fn widen(nodes: &mut Vec<Node>, tree: &Binary, items: &[Boxed]) -> u32 {
     let number = nodes.len() as u32;
     nodes.push(Node::EMPTY);
     let mut node = Node::EMPTY;
     match tree {
-        Binary::Leaf(_, items) => {
-            for (lane, item) in items.iter().enumerate() {
+        Binary::Leaf(_, range) => {
+            for (lane, item) in items[range.clone()].iter().enumerate() {
                 node.set(lane, &item.bounds, item.item);
             }
         }
         Binary::Fork(_, halves) => {
             for (lane, child) in opened(halves).into_iter().enumerate() {
                 let inside = match child {
-                    Binary::Leaf(_, items) if items.len() == 1 => items[0].item,
-                    _ => Ref::new(Named::Node(widen(nodes, child))),
+                    Binary::Leaf(_, range) if range.len() == 1 => items[range.start].item,
+                    _ => Ref::new(Named::Node(widen(nodes, child, items))),
                 };
                 node.set(lane, &child.bounds(), inside);
             }

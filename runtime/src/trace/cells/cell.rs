@@ -41,6 +41,14 @@ const COARSE: u32 = 1 << 24;
 pub(super) const ENDED: u32 = 1 << 25;
 
 impl Grain {
+    /// The other one.
+    pub(super) fn other(self) -> Self {
+        match self {
+            Self::Fine => Self::Coarse,
+            Self::Coarse => Self::Fine,
+        }
+    }
+
     /// What is added to the number of a part.
     #[inline(always)]
     pub(super) fn bits(self) -> u32 {

@@ -7,6 +7,7 @@ use std::ops::Range;
 use super::bvh::area;
 use super::cell::Grain;
 use super::draft::{Draft, Outline, Way, called, draft};
+use super::piece::Shape;
 use super::workshop::{Measure, Workshop};
 use crate::fault::Fault;
 
@@ -70,8 +71,12 @@ impl<'w, 'a, 's> Merge<'w, 'a, 's> {
             let Draft { way, shape: Outline::Instance(state, origin) } = self.drafts[number] else {
                 continue;
             };
+            let in_trail = |shop: &mut Workshop, it| called(shop, state, origin, it);
+            if members - 1 + self.least(state).map_err(|it| in_trail(self.shop, it))? > most {
+                continue;
+            }
             let before = self.drafts.len();
-            let range = self.open(state, way).map_err(|it| called(self.shop, state, origin, it))?;
+            let range = self.open(state, way).map_err(|it| in_trail(self.shop, it))?;
             if members - 1 + range.len() > most {
                 self.drafts.truncate(before);
                 self.heap.retain(|it| it.number < before);
@@ -81,6 +86,12 @@ impl<'w, 'a, 's> Merge<'w, 'a, 's> {
             self.merged.insert(number, range);
         }
         Ok(self.in_order(top))
+    }
+
+    /// How many drafts there are at least of what is in a state: it may be a plant of a million parts, of which none is drafted in vain.
+    fn least(&mut self, state: u32) -> Result<usize, Fault> {
+        let pieces = self.shop.pieces(state)?;
+        Ok(pieces.iter().filter(|it| !matches!(it.shape, Shape::Instance(..))).count())
     }
 
     /// Adds drafts of what is in a state.

@@ -4,7 +4,7 @@ use glam::DAffine3;
 
 use super::piece::{Piece, Shape};
 use super::workshop::Workshop;
-use crate::abstraction::{Extent, Loose, Next, Part, Plant, Sketch, What, extents_of_plants};
+use crate::abstraction::{Extent, Gathered, Loose, Next, Part, Plant, Sketch, What, extents_of_plants};
 use crate::fault::Fault;
 
 /// States with shapes in them that are looked into for one of them. Of more than these nothing is known together.
@@ -39,7 +39,13 @@ impl Workshop<'_, '_> {
             plants.push(Plant { sketch, next: targets, circle: self.store.survey.circle(entry) });
         }
         match extents_of_plants(&plants) {
-            Ok(extents) => numbers.iter().zip(extents).for_each(|(number, extent)| self.know(*number, extent)),
+            Ok(extents) => {
+                for (number, extent) in numbers.into_iter().zip(extents) {
+                    let state = self.state(number);
+                    self.store.keep_heavy_extent(&state, &extent);
+                    self.know(number, extent);
+                }
+            }
             // Where it ends is told by the limit of depth.
             Err(_) => self.know(number, otherwise),
         }
@@ -58,12 +64,13 @@ struct Planting<'p, 'a, 's> {
 impl Planting<'_, '_, '_> {
     fn sketch(&mut self, pieces: &[Piece]) -> Result<Sketch, Fault> {
         let mut sketch = Sketch::default();
-        let mut leaves = Vec::new();
+        let (mut leaves, mut count) = (Gathered::default(), 0);
         for piece in pieces {
             let map = &piece.outer_from_inner;
             let what = match &piece.shape {
                 Shape::Leaf(primitive, ..) => {
-                    leaves.push(Loose::of_primitive(primitive, map));
+                    leaves.add(&Loose::of_primitive(primitive, map));
+                    count += 1;
                     continue;
                 }
                 Shape::Instance(state, _) => {
@@ -72,16 +79,27 @@ impl Planting<'_, '_, '_> {
                     What::State(self.next.len() as u32 - 1)
                 }
                 Shape::Intersect(operands) => What::Intersect(self.operands(operands)?),
-                Shape::Difference(operands) => What::Difference(self.operands(operands)?),
+                Shape::Difference(operands) => self.difference(operands)?,
             };
             add(&mut sketch, map, what);
         }
-        sketch.add(Loose::union(&leaves).with_room(), leaves.len() as u64);
+        sketch.add(leaves.whole().with_room(), count);
         Ok(sketch)
     }
 
     fn operands(&mut self, operands: &[Box<[Piece]>]) -> Result<Vec<Sketch>, Fault> {
         operands.iter().map(|it| self.sketch(it)).collect()
+    }
+
+    fn difference(&mut self, operands: &[Box<[Piece]>]) -> Result<What, Fault> {
+        let mut all = self.operands(operands)?.into_iter();
+        let first = all.next().unwrap_or_default();
+        let mut others = Sketch::default();
+        for mut other in all {
+            others.count(other.primitives);
+            others.parts.append(&mut other.parts);
+        }
+        Ok(What::Difference { operands: Box::new([first, others]), taken: operands.len().saturating_sub(1) })
     }
 
     fn meet(&mut self, number: u32) -> Result<Next, Fault> {

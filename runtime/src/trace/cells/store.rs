@@ -14,12 +14,12 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use super::build;
+use super::build::{self, Built};
 use super::cell::{Cell, Grain};
 use super::ending::Ending;
 use super::proxy::Proxy;
-use super::workshop::{Bench, Workshop};
-use crate::abstraction::{Circle, HyperBoxes, Survey};
+use super::workshop::{Bench, HEAVY, Workshop};
+use crate::abstraction::{Circle, Extent, HyperBoxes, Survey};
 use crate::fault::{Fault, FaultKind, Limit, TrailStep};
 use crate::form::{Origin, Scene};
 use crate::geometry::Aabb;
@@ -32,6 +32,9 @@ use crate::trace::{Expander, State};
 const LEAST_BENCH: usize = 256 << 10;
 /// Bytes from which on a workshop gains nothing.
 const MOST_BENCH: usize = 64 << 20;
+
+/// States that are much work to look at of which is kept what they amount to.
+const MOST_HEAVY: usize = 1 << 10;
 
 /// Work that it counts as to expand a state, and for each piece of it, to put that into a cell: as much as so many steps of rays.
 const EXPANDED: u64 = 256;
@@ -59,6 +62,10 @@ pub(super) struct Store<'s> {
     /// Bytes that each may keep.
     pub(super) bench_bytes: usize,
     generation: Mutex<Arc<Generation>>,
+    /// What states amount to that are much work to look at.
+    heavy: Mutex<HashMap<Arc<State>, Extent, BuildQuickHash>>,
+    /// Held by the thread that makes the cell of a heavy state: what that takes for a while is larger than the cell.
+    heavy_turn: Mutex<()>,
     /// The generation in which a state was measured last.
     measured: Mutex<Option<Arc<Generation>>>,
     root: Arc<State>,
@@ -164,6 +171,8 @@ impl<'s> Store<'s> {
             benches: Mutex::default(),
             bench_bytes: (budget / 4 / threads).clamp(LEAST_BENCH, MOST_BENCH),
             generation: Mutex::new(Arc::new(Generation::new(limits, &Arc::new(Looks::new(&tally)), &root, None))),
+            heavy: Mutex::default(),
+            heavy_turn: Mutex::default(),
             measured: Mutex::default(),
             root,
             tally,
@@ -250,16 +259,45 @@ impl<'s> Store<'s> {
         if !generation.has_room() {
             return Ok(None);
         }
-        let cell = match generation.carried_over(number, grain) {
-            Some(cell) => cell,
-            None => {
-                self.built.fetch_add(1, Ordering::Relaxed);
-                generation.counted(build::build(self, generation, number, grain)?)
-            }
-        };
-        let kept = generation.keep((number, grain), cell);
-        self.most_cells.fetch_max(generation.count.load(Ordering::Relaxed), Ordering::Relaxed);
+        if let Some(cell) = generation.carried_over(number, grain) {
+            return Ok(self.keep(generation, (number, grain), cell));
+        }
+        let mut shop = self.workshop();
+        let state = shop.number_of(&generation.state(number));
+        let turn = if shop.is_heavy(state)? { Some(lock(&self.heavy_turn)) } else { None };
+        if turn.is_some()
+            && let Some(cell) = generation.kept(number, grain)
+        {
+            // Another thread has made it meanwhile.
+            return Ok(Some(cell));
+        }
+        self.built.fetch_add(1, Ordering::Relaxed);
+        let Built { cell, is_of_both_grains } = build::build(shop, generation, state, grain)?;
+        let cell = generation.counted(cell);
+        let kept = self.keep(generation, (number, grain), Arc::clone(&cell));
+        if is_of_both_grains && kept.is_some() {
+            generation.cells[grain.other() as usize].at(number).get_or_init(|| cell);
+        }
         Ok(kept)
+    }
+
+    fn keep<'g>(&self, generation: &'g Generation, place: (u32, Grain), cell: Arc<Kept>) -> Option<&'g Cell> {
+        let kept = generation.keep(place, cell);
+        self.most_cells.fetch_max(generation.count.load(Ordering::Relaxed), Ordering::Relaxed);
+        kept
+    }
+
+    /// What a state amounts to, if it is much work to look at and that was done before.
+    pub(super) fn heavy_extent(&self, state: &Arc<State>) -> Option<Extent> {
+        lock(&self.heavy).get(state).copied()
+    }
+
+    /// Keeps what a state with shapes in it amounts to for all threads, if it is much work to look at.
+    pub(super) fn keep_heavy_extent(&self, state: &Arc<State>, extent: &Extent) {
+        let mut heavy = lock(&self.heavy);
+        if extent.count.primitives >= HEAVY && heavy.len() < MOST_HEAVY {
+            heavy.insert(Arc::clone(state), *extent);
+        }
     }
 
     /// Counts work.

@@ -54,6 +54,8 @@ impl Measure {
 
 /// Primitives from which on a state is vast.
 const VAST: u64 = 1 << 20;
+/// Primitives from which on a state with shapes in it is heavy.
+pub(super) const HEAVY: u64 = 1 << 16;
 /// Bytes of pieces that a workshop has at hand at most while it is worked in.
 const MOST_PIECES: usize = 64 << 20;
 /// The same of what states amount to.
@@ -80,7 +82,7 @@ pub(super) struct Bench<'s> {
 #[derive(Debug)]
 struct Known {
     state: Arc<State>,
-    pieces: Option<Arc<[Piece]>>,
+    pieces: Option<Arc<Vec<Piece>>>,
     extent: Option<Box<Extent>>,
 }
 
@@ -122,7 +124,7 @@ impl<'s> Bench<'s> {
     }
 
     /// Keeps what a state expands to. Of what takes most room all is forgotten when it is too much: it is made again when it is needed.
-    fn keep(&mut self, number: u32, pieces: &Arc<[Piece]>) {
+    fn keep(&mut self, number: u32, pieces: &Arc<Vec<Piece>>) {
         if self.piece_bytes > MOST_PIECES {
             self.known.iter_mut().for_each(|it| it.pieces = None);
             self.bytes -= std::mem::take(&mut self.piece_bytes);
@@ -218,7 +220,7 @@ impl<'a, 's> Workshop<'a, 's> {
     ///
     /// # Errors
     /// What fails in expanding it; the trail names only what lies below the state.
-    pub(super) fn pieces(&mut self, number: u32) -> Result<Arc<[Piece]>, Fault> {
+    pub(super) fn pieces(&mut self, number: u32) -> Result<Arc<Vec<Piece>>, Fault> {
         let store = self.store;
         let bench = self.bench();
         let known = &bench.known[number as usize];
@@ -229,9 +231,31 @@ impl<'a, 's> Workshop<'a, 's> {
         let before = bench.machine.operations();
         let group = store.expander.expand_with(&mut bench.machine, &state)?;
         store.has_expanded(group.items.len(), bench.machine.operations() - before)?;
-        let pieces: Arc<[Piece]> = Piece::of_group(&mut |it| self.number(it), group).into();
+        let mut pieces = Piece::of_group(&mut |it| self.number(it), group);
+        pieces.shrink_to_fit();
+        let pieces = Arc::new(pieces);
         self.bench().keep(number, &pieces);
         Ok(pieces)
+    }
+
+    /// Forgets what a state expands to, if that is so much that nobody keeps it for long.
+    pub(super) fn let_go_of_pieces(&mut self, number: u32) {
+        let bench = self.bench();
+        let known = &mut bench.known[number as usize];
+        let bytes = known.pieces.as_deref().map_or(0, |it| Piece::bytes(it));
+        if bytes > MOST_PIECES {
+            known.pieces = None;
+            (bench.bytes, bench.piece_bytes) = (bench.bytes - bytes, bench.piece_bytes - bytes);
+        }
+    }
+
+    /// Whether shapes lie in a state that come to so many primitives that no two threads should have all of them at a time.
+    ///
+    /// # Errors
+    /// As [`Workshop::loose`].
+    pub(super) fn is_heavy(&mut self, number: u32) -> Result<bool, Fault> {
+        let state = self.state(number);
+        Ok(self.store.survey.bears_shapes(state.entry) && self.extent(number)?.count.primitives >= HEAVY)
     }
 
     /// What the program says shall stand for a state from far away; none if it says nothing.
@@ -263,12 +287,17 @@ impl<'a, 's> Workshop<'a, 's> {
         self.bench().make_room_for_extents();
         if self.bench().known[number as usize].extent.is_none() {
             let state = self.state(number);
-            let extent = self.surveyed(&state)?;
             // What a shape derives to is known only when it has been derived.
-            if self.store.survey.bears_shapes(state.entry) {
-                self.know_plants(number, extent)?;
-            } else {
+            let bears_shapes = self.store.survey.bears_shapes(state.entry);
+            if let Some(extent) = bears_shapes.then(|| self.store.heavy_extent(&state)).flatten() {
                 self.know(number, extent);
+            } else {
+                let extent = self.surveyed(&state)?;
+                if bears_shapes {
+                    self.know_plants(number, extent)?;
+                } else {
+                    self.know(number, extent);
+                }
             }
         }
         Ok(self.bench().known[number as usize].extent.get_or_insert_with(|| Box::new(Extent::ALL)))

@@ -5,6 +5,7 @@
 
 mod check;
 mod commands;
+mod disks;
 mod exit_codes;
 mod explain;
 mod files;

@@ -1,6 +1,7 @@
 //! The command line: what it takes, and the help that is written for people.
 
 use std::ffi::OsString;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
@@ -12,7 +13,7 @@ use treegen_runtime::picture::Rect;
 use treegen_runtime::trace::cells::Culling as CullingMode;
 
 use crate::console::{self, Color, Console, MessageFormat, shown, shown_text};
-use crate::exit::Exit;
+use crate::exit::{Exit, Failure};
 use crate::inspect::Inspect;
 use crate::measure::MeasureFormat;
 
@@ -329,11 +330,11 @@ impl Render {
     }
 }
 
-/// Reads the command line. Help and usage errors are printed here, and all that is left of them is the exit code.
+/// Reads the command line. Help and usage errors are printed here.
 ///
 /// # Errors
-/// The exit code, when there is nothing to do.
-pub fn parse() -> Result<Cli, Exit> {
+/// How the run ends, when there is nothing to do.
+pub fn parse() -> Result<Cli, Failure> {
     let parsed = Cli::command().try_get_matches().and_then(|matches| {
         refuse_mixture(&matches)?;
         let cli = Cli::from_arg_matches(&matches)?;
@@ -379,16 +380,23 @@ fn refuse_doubles(cli: &Cli) -> Result<(), clap::Error> {
 
 /// Prints help on standard output and mistakes on standard error. Mistakes quote what was typed, which may hold anything: when
 /// it holds what could harm a terminal, the message is printed without colour and with all of that escaped.
-fn tell(error: &clap::Error) -> Exit {
+fn tell(error: &clap::Error) -> Failure {
     let is_harmless = |argument: OsString| argument.to_str().is_some_and(|it| shown(it) == it);
+    let mut printed = Ok(());
     if std::env::args_os().all(is_harmless) {
-        // A closed pipe is nobody's mistake.
-        let _ = error.print();
+        printed = error.print();
     } else {
         let lines: Vec<String> = error.render().to_string().lines().map(shown_text).collect();
         console::print(&(lines.join("\n") + "\n"));
     }
-    if error.use_stderr() { Exit::Usage } else { Exit::Done }
+    match printed {
+        _ if error.use_stderr() => Failure::told(Exit::Usage),
+        // A closed pipe is nobody's mistake.
+        Err(reason) if reason.kind() != io::ErrorKind::BrokenPipe => {
+            Failure::files("write", Path::new("standard output"), &reason)
+        }
+        Ok(()) | Err(_) => Failure::told(Exit::Done),
+    }
 }
 
 /// The way to whoever started the run.

@@ -43,7 +43,7 @@ pub struct Failure {
 /// What to say about a [`Failure`].
 #[derive(Debug)]
 pub enum Message {
-    /// Nothing: whoever interrupts knows that he did.
+    /// Nothing: whoever interrupts knows that he did, and help has been printed.
     None,
     /// One sentence, and what may help.
     Sentence {
@@ -74,7 +74,12 @@ impl Failure {
 
     /// The run was told to end.
     pub fn interrupted() -> Self {
-        Self { exit: Exit::Interrupted, message: Message::None }
+        Self::told(Exit::Interrupted)
+    }
+
+    /// All that there is to say has been said.
+    pub fn told(exit: Exit) -> Self {
+        Self { exit, message: Message::None }
     }
 
     /// Of the program, in the compiler's words.

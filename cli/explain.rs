@@ -1,15 +1,14 @@
 //! `treegen explain [CODE]`.
 
-use std::io::{self, Write};
-
 use crate::arguments::Explain;
 use crate::console::shown_text;
 use crate::exit::Failure;
+use crate::output::print;
 
 /// Prints the page of a code, or a line for each of them.
 ///
 /// # Errors
-/// That there is no such code.
+/// That there is no such code, or the system's reason for not taking the text.
 pub fn explain(arguments: &Explain) -> Result<(), Failure> {
     let text = match &arguments.code {
         None => treegen_compiler::pages().iter().map(|it| format!("{}  {}\n", it.code, it.title())).collect(),
@@ -21,7 +20,5 @@ pub fn explain(arguments: &Explain) -> Result<(), Failure> {
             }
         },
     };
-    // Nobody can be told that nobody listens.
-    let _ = io::stdout().write_all(text.as_bytes());
-    Ok(())
+    print(&text)
 }

@@ -1,11 +1,15 @@
 //! `treegen limits`.
 
-use std::io::{self, Write};
-
 use treegen_compiler::{Change, limits};
 
+use crate::exit::Failure;
+use crate::output::print;
+
 /// Prints a line for each limit: name, default, code, how to change it, what it is.
-pub fn print() {
+///
+/// # Errors
+/// The system's reason for not taking them.
+pub fn list() -> Result<(), Failure> {
     let mut lines = vec![["limit", "default", "code", "changed by", "what"].map(str::to_owned)];
     for row in limits() {
         let change = match row.change {
@@ -23,6 +27,5 @@ pub fn print() {
         .iter()
         .map(|[a, b, c, d, e]| format!("{a:name$}  {b:>default$}  {c:code$}  {d:change$}  {e}\n"))
         .collect();
-    // Nobody can be told that nobody listens.
-    let _ = io::stdout().write_all(text.as_bytes());
+    print(&text)
 }

@@ -26,36 +26,39 @@ mod supervise;
 
 use std::process::ExitCode;
 
-use crate::arguments::Command;
-use crate::console::Console;
-use crate::exit::Exit;
+use crate::arguments::{Cli, Command};
+use crate::console::{Color, Console, MessageFormat};
+use crate::exit::{Exit, Failure};
 
 fn main() -> ExitCode {
-    let cli = match arguments::parse() {
+    let cli = match supervise::outlive_large_files().and_then(|()| arguments::parse()) {
         Ok(cli) => cli,
-        Err(exit) => return exit.into(),
+        Err(failure) => return ended(&failure, Console::new(Color::Auto, false, MessageFormat::Text)),
     };
     let console = Console::from(&cli);
-    let result = match cli.command {
+    match run(cli, console) {
+        Ok(()) => Exit::Done.into(),
+        Err(failure) => ended(&failure, console),
+    }
+}
+
+fn run(cli: Cli, console: Console) -> Result<(), Failure> {
+    match cli.command {
         Some(Command::Check(check)) => check::check(check, console),
         Some(Command::Inspect(inspect)) => inspect::inspect(inspect, console),
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
-        Some(Command::Limits) => {
-            limits::print();
-            Ok(())
-        }
+        Some(Command::Limits) => limits::list(),
         Some(Command::Fmt(arguments)) => fmt::fmt(&arguments, console),
         Some(Command::Measure(arguments)) => measure::measure(arguments, console),
         None => match mesh::Format::of(&cli.render.output()) {
             Some(format) => mesh::export(cli.render, format, console),
             None => render::render(cli.render, console),
         },
-    };
-    match result {
-        Ok(()) => Exit::Done.into(),
-        Err(failure) => {
-            console.fail(&failure);
-            failure.exit.into()
-        }
     }
+}
+
+/// Says why a run failed; gives its exit code.
+fn ended(failure: &Failure, console: Console) -> ExitCode {
+    console.fail(failure);
+    failure.exit.into()
 }

@@ -269,6 +269,14 @@ impl Seek for Interruptible<'_> {
     }
 }
 
+/// Prints a text on standard output.
+///
+/// # Errors
+/// The system's reason; that whoever reads has read enough is none.
+pub fn print(text: &str) -> Result<(), Failure> {
+    Staged::Stream(Place::Stdout, text.as_bytes().to_vec()).finish()
+}
+
 fn write_through(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     write(&mut out)?;

@@ -30,13 +30,13 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins to listen to the signals that end a run. Files that grow too large are told by an error instead of a signal.
+    /// Begins to listen to the signals that end a run.
     ///
     /// # Errors
     /// The system's reason for not letting it listen.
     pub fn listen() -> Result<Arc<Self>, Failure> {
         let progress = Self::default();
-        progress.register().map_err(|error| Failure::new(Exit::Limit, format!("cannot listen to signals: {error}")))?;
+        progress.register().map_err(|error| deaf(&error))?;
         Ok(Arc::new(progress))
     }
 
@@ -47,8 +47,6 @@ impl Progress {
             signal_hook::flag::register_conditional_shutdown(signal, Exit::Interrupted as i32, Arc::clone(flag))?;
             signal_hook::flag::register(signal, Arc::clone(flag))?;
         }
-        #[cfg(unix)]
-        signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
         Ok(())
     }
 
@@ -67,6 +65,20 @@ impl Watch for Progress {
     fn interrupted(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
     }
+}
+
+/// A file that grows larger than it may is told by an error from now on, as a full disk is, instead of a signal that ends the process.
+///
+/// # Errors
+/// The system's reason for not letting it listen.
+pub fn outlive_large_files() -> Result<(), Failure> {
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).map_err(|error| deaf(&error))?;
+    Ok(())
+}
+
+fn deaf(reason: &io::Error) -> Failure {
+    Failure::new(Exit::Limit, format!("cannot listen to signals: {reason}"))
 }
 
 /// The signals that end a run.

@@ -47,9 +47,16 @@ fn tokens(text: &str) -> Vec<(usize, usize)> {
     tokens
 }
 
-/// Of so many changes of a program one is tried; `TREEGEN_MUTANTS=all` tries all of them.
-fn sample(one_of: usize) -> usize {
-    if std::env::var_os("TREEGEN_MUTANTS").is_some() { 1 } else { one_of }
+/// Of so many changes of a program one is tried. `TREEGEN_MUTANTS=all` tries all of them, and `TREEGEN_MUTANTS=3/8` the third of eight parts of
+/// all: they take long.
+fn sampled<T>(changes: impl Iterator<Item = T>, one_of: usize) -> impl Iterator<Item = T> {
+    let share = std::env::var("TREEGEN_MUTANTS").ok().map(|it| match it.split_once('/') {
+        Some((part, of)) => (part.parse().unwrap(), of.parse().unwrap()),
+        None => (1, 1),
+    });
+    let (part, of): (usize, usize) = share.unwrap_or((1, one_of));
+    assert!((1..=of).contains(&part), "there is no part {part} of {of}");
+    changes.skip(part - 1).step_by(of)
 }
 
 #[test]
@@ -57,12 +64,12 @@ fn a_program_cut_anywhere_is_refused_or_compiled() {
     // Small programs at each byte where a character ends, the others here and there.
     for text in programs("tests/cases/errors") {
         let ends = text.char_indices().map(|it| it.0);
-        for end in ends.step_by(if text.len() < 300 { 1 } else { sample(7) }) {
+        for end in sampled(ends, if text.len() < 300 { 1 } else { 7 }) {
             check(&text[..end]);
         }
     }
     for text in programs("examples") {
-        for end in text.char_indices().map(|it| it.0).step_by(sample(41)) {
+        for end in sampled(text.char_indices().map(|it| it.0), 41) {
             check(&text[..end]);
         }
     }
@@ -72,7 +79,7 @@ fn a_program_cut_anywhere_is_refused_or_compiled() {
 fn a_program_with_a_token_dropped_doubled_or_exchanged_is_refused_or_compiled() {
     for text in programs("examples") {
         let tokens = tokens(&text);
-        for (number, (start, end)) in tokens.iter().copied().enumerate().step_by(sample(3)) {
+        for (number, (start, end)) in sampled(tokens.iter().copied().enumerate(), 3) {
             check(&format!("{}{}", &text[..start], &text[end..]));
             check(&format!("{}{} {}", &text[..end], &text[start..end], &text[end..]));
             let (from, to) = tokens[(number * 7 + 3) % tokens.len()];
@@ -85,7 +92,7 @@ fn a_program_with_a_token_dropped_doubled_or_exchanged_is_refused_or_compiled() 
 fn a_program_with_a_line_dropped_doubled_or_swapped_is_refused_or_compiled() {
     for text in programs("examples") {
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
-        for number in (0..lines.len()).step_by(sample(2)) {
+        for number in sampled(0..lines.len(), 2) {
             let mut changed = lines.clone();
             changed.remove(number);
             check(&changed.concat());
@@ -105,7 +112,7 @@ fn a_program_with_a_line_dropped_doubled_or_swapped_is_refused_or_compiled() {
 fn a_program_with_any_bit_flipped_is_refused_or_compiled() {
     for text in programs("examples") {
         let bits = (0..text.len() * 7).map(|it| (it / 7, it % 7)).filter(|it| text.as_bytes()[it.0].is_ascii());
-        for (at, bit) in bits.step_by(sample(97)) {
+        for (at, bit) in sampled(bits, 97) {
             let mut bytes = text.as_bytes().to_vec();
             bytes[at] ^= 1 << bit;
             check(std::str::from_utf8(&bytes).unwrap());
@@ -129,15 +136,13 @@ fn a_program_with_a_nasty_number_for_a_number_is_refused_or_compiled() {
         "0/0",
         "1e400",
     ];
-    let mut next = 0;
     for text in programs("examples") {
         let is_number = |it: &(usize, usize)| text[it.0..].starts_with(|it: char| it.is_ascii_digit());
-        for (start, end) in tokens(&text).into_iter().filter(is_number) {
-            // One after another, or each of them.
-            for _ in (0..NASTY.len()).step_by(sample(NASTY.len())) {
-                next += 1;
-                check(&format!("{}{}{}", &text[..start], NASTY[next % NASTY.len()], &text[end..]));
-            }
+        let numbers = tokens(&text).into_iter().filter(is_number);
+        // One for each number, another one each time, or all of them.
+        let changes = numbers.flat_map(|number| NASTY.map(|nasty| (number, nasty)));
+        for ((start, end), nasty) in sampled(changes, NASTY.len() + 1) {
+            check(&format!("{}{nasty}{}", &text[..start], &text[end..]));
         }
     }
 }

@@ -2,8 +2,6 @@
 
 use crate::support::{FRACTAL, Folder, SPHERE, pixels, texts};
 
-const OLD: &[u8] = b"an old picture";
-
 #[test]
 fn the_picture_goes_beside_nobody_asked_but_into_the_current_folder() {
     let folder = Folder::with(&[("deep/a.b.tg", SPHERE)]);
@@ -141,34 +139,6 @@ fn devices_and_pipes_are_written_through_and_never_replaced() {
     assert!(exr.starts_with(b"\x76\x2f\x31\x01"));
     let kind = std::fs::symlink_metadata(folder.path("pipe")).unwrap().file_type();
     assert!(std::os::unix::fs::FileTypeExt::is_fifo(&kind));
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_is_told() {
-    let folder = Folder::with(&[("a.tg", SPHERE)]);
-    folder.run(&["a.tg", "-o", "/dev/full"]).ended(4).saying(&["cannot write `/dev/full`", "No space left"]);
-    folder.shell("$treegen a.tg -o - >/dev/full").ended(4).saying(&["cannot write `standard output`"]);
-    folder.run(&["a.tg", "--stats", "/dev/full"]).ended(4).saying(&["cannot write `/dev/full`"]);
-    folder.run(&["a.tg", "-o", "/proc/a.png"]).ended(4).saying(&["cannot write `/proc/a.png`"]);
-    // What has no room is told before the picture gets its name.
-    assert_eq!(folder.names(), ["a.tg"]);
-}
-
-#[cfg(unix)]
-#[test]
-fn a_disk_that_fills_up_on_the_way_leaves_the_old_picture_and_nothing_else() {
-    let folder = Folder::with(&[("a.tg", FRACTAL)]);
-    for name in ["a.png", "a.exr"] {
-        folder.write(name, OLD);
-        // So many blocks of 512 bytes are all that any file may have.
-        folder
-            .shell(&format!("ulimit -f 1; $treegen a.tg --size 200x200 -o {name}"))
-            .ended(4)
-            .saying(&["cannot write", name]);
-        assert_eq!(folder.read(name), OLD);
-    }
-    assert_eq!(folder.names(), ["a.exr", "a.png", "a.tg"]);
 }
 
 #[cfg(unix)]

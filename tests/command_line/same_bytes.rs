@@ -104,6 +104,78 @@ fn surroundings_change_nothing() {
     folder.allow("home", 0o755);
 }
 
+/// A library to be loaded before others, whose clock begins at `start` and goes on by `step` seconds each time it is asked: whatever clock
+/// is asked. None if there is no compiler for it, which is told.
+#[cfg(target_os = "linux")]
+fn clock(folder: &Folder, start: i64, step: i64) -> Option<std::path::PathBuf> {
+    let source = format!(
+        "static ASKED: std::sync::atomic::AtomicI64 = std::sync::atomic::AtomicI64::new(0);\n\
+         #[no_mangle]\n\
+         pub extern \"C\" fn clock_gettime(_clock: i32, time: &mut [std::ffi::c_long; 2]) -> i32 {{\n\
+             let asked = ASKED.fetch_add(1, std::sync::atomic::Ordering::Relaxed);\n\
+             *time = [({start} + asked * {step}) as std::ffi::c_long, 0];\n\
+             0\n\
+         }}\n"
+    );
+    folder.write("clock.rs", source.as_bytes());
+    let library = folder.path("clock.so");
+    let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let mut command = std::process::Command::new(compiler);
+    command.args(["--edition", "2021", "--crate-type", "cdylib", "-C", "panic=abort", "-o"]);
+    let output = command.arg(&library).arg(folder.path("clock.rs")).output();
+    let reason = match output {
+        Ok(output) if output.status.success() => return Some(library),
+        Ok(output) => String::from_utf8_lossy(&output.stderr).into_owned(),
+        Err(error) => error.to_string(),
+    };
+    println!("not tried, for want of a compiler: {reason}");
+    None
+}
+
+/// 1970, 2100, a clock that stands, one that jumps by hours and one that goes backwards.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_clock_changes_a_byte() {
+    const YEAR: i64 = 31_556_952;
+    const HOUR: i64 = 3600;
+    let folder = Folder::with(&[("a.tg", FRACTAL)]);
+    let of = |clock: Option<&std::path::Path>| {
+        let outputs = ["a.png", "a.exr", "drawn.png", "a.jsonl", "a.glb", "a.obj", "a.ply"];
+        let mut bytes: Vec<Vec<u8>> = outputs.map(|name| written(&folder, name, clock)).into();
+        let mut measure = folder.command(&["measure", "a.tg"]);
+        measure.envs(clock.map(|it| ("LD_PRELOAD", it)));
+        bytes.push(measure.output().unwrap().stdout);
+        bytes
+    };
+    let first = of(None);
+    for (start, step) in [(0, 0), (130 * YEAR, 0), (130 * YEAR, HOUR), (1 << 31, 1), (30 * YEAR, -HOUR)] {
+        let Some(clock) = clock(&folder, start, step) else { return };
+        assert!(of(Some(&clock)) == first, "{start} {step}");
+        // That clock was asked indeed.
+        let stats: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).unwrap();
+        let seconds = stats["seconds"]["render"].as_f64().unwrap();
+        let is_so = if step > 0 { seconds >= step as f64 && seconds.fract() == 0.0 } else { seconds == 0.0 };
+        assert!(is_so, "{start} {step}: {stats}");
+    }
+}
+
+/// What is written to a file of that name, by this clock.
+#[cfg(target_os = "linux")]
+fn written(folder: &Folder, name: &str, clock: Option<&std::path::Path>) -> Vec<u8> {
+    let mut arguments = match name {
+        "a.jsonl" => vec!["inspect", "a.tg", "--expand", "-o", name],
+        "drawn.png" => vec!["a.tg", "--renderer", "scan", "--surface", "cones", "-o", name],
+        _ => vec!["a.tg", "-o", name],
+    };
+    if name == "a.png" {
+        arguments.extend(["--stats", "a.json"]);
+    }
+    let mut command = folder.command(&arguments);
+    let output = command.envs(clock.map(|it| ("LD_PRELOAD", it))).output().unwrap();
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    folder.read(name)
+}
+
 #[test]
 fn line_ends_and_byte_order_marks_change_nothing() {
     let folder = Folder::with(&[("a.tg", FRACTAL)]);

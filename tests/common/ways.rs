@@ -175,8 +175,13 @@ fn options() -> RenderOptions {
 }
 
 fn drawn(scene: &Scene, stems: StemSurface) -> Result<Option<&'static str>, Fault> {
+    Ok(wrong_with(&drawing(scene, stems)?))
+}
+
+/// A drawn picture of a scene.
+pub(crate) fn drawing(scene: &Scene, stems: StemSurface) -> Result<Picture, Fault> {
     let scanner = Scanner::new(scene, stems, &limits(), &())?;
-    Ok(wrong_with(&scan(scene, &scanner, &limits(), &options(), &())?))
+    scan(scene, &scanner, &limits(), &options(), &())
 }
 
 fn meshed(scene: &Scene) -> Result<Option<&'static str>, Fault> {

@@ -1,6 +1,10 @@
 //! Cameras where one would not put them (row 62).
 
-use crate::ways::{are_alike, assert_in_all_ways, on_deep_stacks, picture};
+use treegen_runtime::mesh::StemSurface;
+use treegen_runtime::picture::{Layers, Picture};
+
+use crate::common::compiled;
+use crate::ways::{are_alike, assert_in_all_ways, drawing, on_deep_stacks, picture};
 
 fn camera(fields: &str, show: &str) -> String {
     format!("scene {{ camera {{ {fields} }} show {show}; }}")
@@ -86,4 +90,59 @@ fn a_camera_on_a_surface_or_inside_sees_what_lies_there() {
     assert!(different.is_empty(), "{different:#?}");
     let cases: Vec<(&String, &str)> = programs.iter().map(|it| (it, "fine")).collect();
     assert_in_all_ways(&cases);
+}
+
+/// The eye is exactly where a surface is, or where rounding leaves it, and looks outwards, inwards and along it.
+#[test]
+fn a_camera_on_a_surface_sees_what_it_draws_as_what_it_traces() {
+    const EYE: &str = "(1.3, -.7, .4)";
+    let solids = [
+        "move(1.3, .3, .4) sphere",
+        "move(1.3, .3, .4) rotz(37) rotx(21) sphere",
+        "move(-98.7, -.7, .4) uscale(100) sphere",
+        "move(1.3, .3, .4) ellipsoid(.6, 1, 1.4)",
+        "move(1.3, .8, .4) torus(.5)",
+        "move(1.3, .3, 0) cylinder",
+        "move(1.3, -.2, -.1) cone(1, 0)",
+        "move(1.3, .3, .4) (sphere \\ move(0, 1.2, 0) box)",
+        "move(1.3, -1.7, .4) (uscale(2) box \\ sphere)",
+        "move(1.3, .3, .4) box",
+        "halfspace(0, -1, 0, .7)",
+        "move(1.3, .3, .4) Prism()",
+        "move(1.3, -.3, -.6) Stem()",
+    ];
+    const SYSTEMS: &str = "\
+hull Prism { start [ normal(1) ] [ rotx(180) normal(1) ] repeat 6 as i { [ rotz(60 * i) rotx(90) normal(1) ] }; }
+shape Stem { start segment(2, .5, .3); }
+";
+    let mut wrong = Vec::new();
+    on_deep_stacks(|| {
+        for solid in solids {
+            for target in
+                ["(1.3, -9, .4)", "(1.3, 9, .4)", "(9, -.7, .5)", "(1.17, -.76, 4)", "(4, 3, 2)", "(-3, -4, .1)"]
+            {
+                let show = format!("move(9, -9, 0) box | {solid}");
+                let text = SYSTEMS.to_owned() + &camera(&format!("eye: {EYE}, target: {target}, fov: 70"), &show);
+                let scene = compiled(&text).scene.unwrap();
+                let (drawn, traced) = (drawing(&scene, StemSurface::Cones).unwrap(), picture(&text, false).unwrap());
+                let different = different_samples(&drawn, &traced);
+                if different > 0 {
+                    wrong.push(format!("{different} samples of {text}"));
+                }
+            }
+        }
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// In how many pixels two pictures show something else, or the same elsewhere.
+fn different_samples(one: &Picture, other: &Picture) -> usize {
+    let all = |it: &Picture| -> Layers { it.layers.clone().unwrap() };
+    let (one, other) = (all(one), all(other));
+    let is_same = |number: &usize| {
+        let (a, b) = (one.depth[*number], other.depth[*number]);
+        // Along a large ball, a way through it is short and what rounding leaves of it.
+        one.material[*number] == other.material[*number] && (a == b || (a - b).abs() <= 0.01 * a.abs())
+    };
+    (0..one.depth.len()).filter(|it| !is_same(it)).count()
 }

@@ -97,11 +97,14 @@ impl Resolver<'_> {
         }
     }
 
-    /// Resolves arguments behind a mistake, for their own mistakes.
+    /// Resolves arguments behind a mistake, for their own mistakes. That one is no value is none: nobody knows what belongs there.
     fn waste(&mut self, scope: &mut Scope, args: Option<&[ast::Arg]>) {
+        let known = self.problems.len();
         for arg in args.unwrap_or(&[]) {
             self.expr(scope, &arg.value);
         }
+        let found = self.problems.split_off(known);
+        self.problems.extend(found.into_iter().filter(|it| it.code != words::names::NO_VALUE));
     }
 
     fn module_call(

@@ -5,6 +5,7 @@
 
 pub(crate) mod arguments;
 pub(crate) mod constants;
+mod elsewhere;
 pub(crate) mod fault;
 pub(crate) mod files;
 pub(crate) mod names;

@@ -2,13 +2,21 @@
 
 use treegen_grammar::Span;
 
-use super::a;
+use super::{a, elsewhere};
 use crate::problem::{Edit, Label, Problem, Safety, Suggestion};
 
 /// A name that nobody knows. `what` says what would fit: "value", "solid or transformation".
 pub(crate) fn unknown(name: &str, span: Span, what: &str, near: Option<&str>) -> Problem {
     let problem =
         Problem::error("E0301", format!("there is no {what} named `{name}`"), span, "not defined anywhere here");
+    if near.is_none()
+        && let Some((instead, note)) = elsewhere::name(name, what)
+    {
+        return match instead {
+            Some(instead) => similar(problem.note(note), span, Some(instead)),
+            None => problem.note(note),
+        };
+    }
     let way = match what {
         _ if near.is_some() => None,
         "material" => Some(format!("`material {name} {{ color: (.5, .4, .3) }}` defines one")),
@@ -84,11 +92,14 @@ pub(crate) fn defined(name: &str, what: &str, built_in: Option<&str>) -> String 
     }
 }
 
+/// The code of what exists, but as something else than what is needed.
+pub(crate) const NO_VALUE: &str = "E0307";
+
 /// Something that exists but is no value.
 pub(crate) fn not_a_value(name: &str, what: &str, span: Span, defined: Option<Span>) -> Problem {
     let label = if what == "function" { "needs its arguments in parentheses" } else { "a value is needed here" };
     with_definition(
-        Problem::error("E0307", format!("`{name}` is {}, not a value", a(what)), span, label),
+        Problem::error(NO_VALUE, format!("`{name}` is {}, not a value", a(what)), span, label),
         what,
         defined,
     )
@@ -97,7 +108,7 @@ pub(crate) fn not_a_value(name: &str, what: &str, span: Span, defined: Option<Sp
 /// Something that exists but is not what is needed: `needed` says what.
 pub(crate) fn not_a(needed: &str, name: &str, what: &str, span: Span, defined: Option<Span>) -> Problem {
     let message = format!("`{name}` is {}, not {}", a(what), a(needed));
-    with_definition(Problem::error("E0307", message, span, format!("{} is needed here", a(needed))), what, defined)
+    with_definition(Problem::error(NO_VALUE, message, span, format!("{} is needed here", a(needed))), what, defined)
 }
 
 /// A name that hides the built-in one that is meant: `needed` says as what, `what` it is and where it is defined.
@@ -109,7 +120,7 @@ pub(crate) fn hides_what_is_meant(
     span: Span,
 ) -> Problem {
     let message = format!("`{name}` is {}, not {}", a(what), a(needed));
-    Problem::error("E0307", message, defined, format!("it hides the built-in {builtin} of that name"))
+    Problem::error(NO_VALUE, message, defined, format!("it hides the built-in {builtin} of that name"))
         .and(span, format!("{} is needed here", a(needed)))
         .note(format!("with another name for the {what}, the built-in {builtin} is seen"))
 }
@@ -124,12 +135,12 @@ fn with_definition(problem: Problem, what: &str, defined: Option<Span>) -> Probl
 /// A value called like a function.
 pub(crate) fn not_a_function(name: &str, what: &str, span: Span) -> Problem {
     let message = format!("`{name}` is {}, not a function", a(what));
-    Problem::error("E0307", message, span, "only functions have arguments here")
+    Problem::error(NO_VALUE, message, span, "only functions have arguments here")
 }
 
 /// A parenthesis after something that is no name.
 pub(crate) fn call_of_value(span: Span) -> Problem {
-    Problem::error("E0307", "only a function's name can have arguments", span, "this value is no function")
+    Problem::error(NO_VALUE, "only a function's name can have arguments", span, "this value is no function")
 }
 
 /// State where there is none yet.

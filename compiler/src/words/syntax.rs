@@ -5,7 +5,7 @@ use treegen_grammar::{
     SyntaxErrorKind, Twin,
 };
 
-use super::one_of;
+use super::{elsewhere, one_of};
 use crate::problem::{Problem, Safety};
 
 /// A syntax error in words.
@@ -110,6 +110,7 @@ fn bad_character(found: char, twin: Option<&Twin>, span: Span) -> Problem {
             let words = if twin.text.is_empty() { "take it out".to_owned() } else { format!("write `{}`", twin.text) };
             problem.suggest(words, safety, span, twin.text.as_str())
         }
+        None if found == '#' => problem.note("comments begin with `//`"),
         None => problem.note(
             "names have letters from a to z, digits and `_`; all that can be seen may stand in texts and comments",
         ),
@@ -179,7 +180,8 @@ fn unexpected(found: Option<&str>, expected: &[String], span: Span) -> Problem {
         few if few.len() <= 6 => format!("expected {}", one_of(few, "or")),
         many => format!("expected {}, ...", many.get(..5).unwrap_or(many).join(", ")),
     };
-    Problem::error("E0114", message, span, label)
+    let problem = Problem::error("E0114", message, span, label);
+    found.and_then(|it| elsewhere::sign(it, expected)).into_iter().fold(problem, Problem::note)
 }
 
 /// A token as it is written, unless that is long.

@@ -36,6 +36,7 @@ pub use intervals::{End, Interval, Intervals};
 pub use joint::{Joint, Joints, Part};
 pub(crate) use levels::{Detail, Family};
 pub use primitive::Primitive;
+pub(crate) use ray::ON_SURFACE;
 pub use ray::Ray;
 pub use relief::{Hide, Relief};
 pub use rind::Rind;

@@ -2,6 +2,9 @@
 
 use glam::{DAffine3, DVec3};
 
+/// How near to a surface the eye stands on it, in parts of how far away things are: what rounding makes of a place.
+pub(crate) const ON_SURFACE: f64 = 1e-11;
+
 /// The points `origin + t * direction`, t > 0.
 ///
 /// The direction need not have length 1: a transformation maps a ray and leaves every t as it is, so t means the same in all

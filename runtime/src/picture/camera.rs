@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use pulp::{Simd, cast};
 
 use crate::form::{Camera, Lens};
-use crate::geometry::Ray;
+use crate::geometry::{ON_SURFACE, Ray};
 use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
 use crate::scan::Projection;
 use crate::trace::{Beam, Seen, Tracer};
@@ -26,9 +26,6 @@ pub(super) struct Rays {
     /// How far from the eye rays begin.
     start: f64,
 }
-
-/// How near to a surface the eye stands on it, in parts of how far away things are: what rounding makes of a place.
-const ON_SURFACE: f64 = 1e-11;
 
 impl Rays {
     /// Rays through a picture of so many pixels, followed into what is `detail` pixels large.

@@ -29,12 +29,12 @@ pub(crate) fn show(frame: &mut Frame, registers: &mut Registers, materials: &Mat
     {
         let (rough, detail) = (materials.rough(material), detail(set, &own_from_world, frame.projection()));
         let hull = hull((primitive, set, detail), (&met.world_from_own, &own_from_world), rough);
-        if hull::draw(frame, registers, hull, Meeting::First) {
+        if hull::draw(frame, registers, hull, Meeting::FIRST) {
             let (primitive, own_from_world) = (primitive.clone(), Box::new(own_from_world));
             let shape = Shape::Hull { primitive, own_from_world, detail, rough: rough.cloned() };
             frame.say(Piece { look: met.look, shape, rind: rind(bark, materials, material) });
         }
-    } else if draw(frame, registers, materials, met, Meeting::First) {
+    } else if draw(frame, registers, materials, met, Meeting::FIRST) {
         let (shape, bark) = match met.what {
             What::Primitive(primitive, bark) => (Shape::Primitive(primitive.clone(), Box::new(own_from_world)), bark),
             What::Surface(surface, _) => (Shape::Surface(Arc::clone(surface), Box::new(own_from_world)), None),

@@ -56,6 +56,7 @@ pub(crate) fn draw(frame: &mut Frame, registers: &mut Registers, hull: Hull<'_>,
         return false;
     }
     let projection = frame.projection();
+    let meeting = meeting.off_surface(projection, &hull.primitive.bounds(), hull.world_from_own);
     let fan = projection.fan(hull.own_from_world);
     let outline = match &within {
         Some(within) if within.width() <= WIDE => *within,
@@ -113,9 +114,9 @@ impl Task for Drawing<'_> {
 impl Meeting {
     /// Where a line meets what is left so of the piece of it inside a set.
     fn of_rough(self, rough: &Rough, set: &Shown<'_>, line: &Ray, chord: Chord) -> Option<Crossing> {
-        if self == Self::First {
-            let (near, far) = rough.ends(set, line, chord, |near| near > 0.0)?;
-            return [Some(near), far].into_iter().flatten().find(|it| it.t > 0.0 && it.t.is_finite());
+        if let Self::First(start) = self {
+            let (near, far) = rough.ends(set, line, chord, |near| near > start)?;
+            return [Some(near), far].into_iter().flatten().find(|it| it.t > start && it.t.is_finite());
         }
         self.of_chord(&rough.left(set, line, chord)?)
     }
@@ -179,8 +180,10 @@ impl Drawer<'_> {
     /// Merges sixteen samples with what is in the frame, those of the bits that are set.
     #[inline(always)]
     fn merge<K: Kernel>(&self, kernel: K, registers: &Registers, grid: &mut Grid<'_>, sixteen: &Sixteen) -> bool {
-        if self.meeting == Meeting::First && self.hull.rough.is_none() {
-            return self.merge_first(kernel, registers, grid, sixteen);
+        if let Meeting::First(behind) = self.meeting
+            && self.hull.rough.is_none()
+        {
+            return self.merge_first(kernel, registers, grid, (sixteen, behind));
         }
         let Sixteen { row, first, met, inside } = sixteen;
         let front_planes: [u32; LANES] = pulp::cast(met.front_planes);
@@ -197,24 +200,24 @@ impl Drawer<'_> {
         is_seen
     }
 
-    /// Merges samples of a smooth hull: they are seen where they come in, or from inside where they go out.
+    /// Merges samples of a smooth hull: they are seen where they come in, or from inside where they go out, behind a depth.
     #[inline(always)]
     fn merge_first<K: Kernel>(
         &self,
         kernel: K,
         registers: &Registers,
         grid: &mut Grid<'_>,
-        &Sixteen { row, first, ref met, inside }: &Sixteen,
+        (&Sixteen { row, first, ref met, inside }, behind): (&Sixteen, f64),
     ) -> bool {
         let lanes = kernel.lanes();
-        let nothing = lanes.splat_f32s(0.0);
+        let behind = lanes.splat_f32s(behind as f32);
         let (mut depths, mut planes) = (self.depths(kernel, met.front), met.front_planes);
-        let comes_in = lanes.less_than_f32s(nothing, depths);
+        let comes_in = lanes.less_than_f32s(behind, depths);
         if inside & !kernel.bits16(comes_in) != 0 {
             depths = select16(lanes, comes_in, depths, self.depths(kernel, met.back));
             planes = lanes.select_u32s(comes_in, planes, registers.back_planes(kernel));
         }
-        let inside = inside & kernel.bits16(lanes.less_than_f32s(nothing, depths));
+        let inside = inside & kernel.bits16(lanes.less_than_f32s(behind, depths));
         let (depths, marks) = (kernel.widen(depths), self.marks(planes));
         // Where the sixteen lie in the row: a part of them may be beside it.
         let (left, width) = (grid.rect.x, grid.rect.width);
@@ -282,9 +285,9 @@ impl Drawer<'_> {
         }
         let met = |number: u32| Some((hull.shown.plane(number as usize)?.met(&ray), number));
         let [near, far] = planes.map(|it| it.and_then(met));
-        let met = match (meeting, near, far) {
-            (Meeting::First, Some(near), _) if near.0 > 0.0 => Some(near),
-            (Meeting::First, _, far) => far,
+        let met = match (*meeting, near, far) {
+            (Meeting::First(start), Some(near), _) if near.0 > start => Some(near),
+            (Meeting::First(start), _, far) => far.filter(|it| it.0 > start),
             (Meeting::Middle, Some(near), Some(far)) => Some((0.5 * (near.0 + far.0), near.1)),
             (Meeting::Middle, _, _) => None,
             (Meeting::End, _, far) => far,

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use crate::geometry::{self, Aabb, Ray};
+use crate::geometry::{self, Aabb, ON_SURFACE, Ray};
 
 /// A camera, or a sun that is looked from.
 ///
@@ -58,6 +58,20 @@ impl Projection {
         let steps = [self.right * self.pixel, -self.up * self.pixel];
         let [across, down] = steps.map(|it| inner_from_world.transform_vector3(it));
         Fan { corner, across, down, parallel: self.parallel }
+    }
+
+    /// Behind which depth what is in a box of the world is seen. That is 0 but for an eye in the box or at it, which may stand on a surface: then it
+    /// is a very little way off, or else rounding would decide for each ray by itself whether that surface lies in front of the eye.
+    pub(crate) fn start(&self, bounds: &Aabb) -> f64 {
+        /// Far more than rounding, against how far away the box is.
+        const ROOM: f64 = 1e-9;
+        // Sides without an end say nothing of how large things are.
+        let finite =
+            |it: DVec3| it.to_array().into_iter().filter(|it| it.is_finite()).map(f64::abs).fold(0.0, f64::max);
+        let size = finite(bounds.min).max(finite(bounds.max)).max(self.eye.abs().max_element());
+        let room = DVec3::splat(ROOM * size);
+        let is_near = self.eye.cmpge(bounds.min - room).all() && self.eye.cmple(bounds.max + room).all();
+        if is_near || self.parallel { ON_SURFACE * size } else { 0.0 }
     }
 
     /// Where a point is; `None` unless it lies before the eye.

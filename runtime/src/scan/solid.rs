@@ -10,15 +10,15 @@ use pulp::f64x8;
 use super::compound::Compound;
 use super::frame::{Frame, Grid};
 use super::outline::Outline;
-use super::projection::Fan;
-use crate::geometry::{Chord, Convex, Crossing, FACE, Lines, Pieces, Pierced, Primitive, Ray, Relief};
+use super::projection::{Fan, Projection};
+use crate::geometry::{Aabb, Chord, Convex, Crossing, FACE, Lines, Pieces, Pierced, Primitive, Ray, Relief};
 use crate::lanes::{EIGHT, Kernel, Task, Wide, Wide3, dispatch};
 
 /// Where a ray meets a solid, for who draws it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Meeting {
-    /// Where it comes in, or from inside where it goes out.
-    First,
+    /// Where it comes in, or from inside where it goes out, but only behind this depth.
+    First(f64),
     /// In the middle of the first stretch inside.
     Middle,
     /// At the end of that.
@@ -36,6 +36,7 @@ pub(crate) fn draw(
     meeting: Meeting,
 ) -> bool {
     let outline = Outline::new(&primitive.bounds(), world_from_own, frame.projection());
+    let meeting = meeting.off_surface(frame.projection(), &primitive.bounds(), world_from_own);
     let own_from_world = world_from_own.inverse();
     let projection = frame.projection();
     let alone =
@@ -64,6 +65,7 @@ pub(crate) fn draw_compound(
     meeting: Meeting,
 ) -> bool {
     let outline = Outline::new(&compound.bounds(), world_from_own, frame.projection());
+    let meeting = meeting.off_surface(frame.projection(), &compound.bounds(), world_from_own);
     let fan = frame.projection().fan(&world_from_own.inverse());
     let piece = frame.next_piece();
     let mut is_seen = false;
@@ -170,13 +172,33 @@ fn lines<K: Kernel>(kernel: K, fan: &Fan, grid: &Grid<'_>, first: usize, row: us
 }
 
 impl Meeting {
+    /// The first place where what is in a box is seen.
+    pub(super) const FIRST: Self = Self::First(0.0);
+
+    /// The same with what is in this box: a surface that the eye stands on does not lie in front of it.
+    pub(super) fn off_surface(self, projection: &Projection, bounds: &Aabb, world_from_own: &DAffine3) -> Self {
+        match self {
+            Self::First(_) => Self::First(projection.start(&bounds.mapped(world_from_own))),
+            Self::Middle | Self::End => self,
+        }
+    }
+
+    /// The least depth at which it sees something.
+    fn start(self) -> f64 {
+        match self {
+            Self::First(start) => start,
+            Self::Middle | Self::End => 0.0,
+        }
+    }
+
     /// Where a ray meets a primitive.
     fn with(self, primitive: &Primitive, ray: &Ray) -> Option<Crossing> {
-        if let Some(mesh) = primitive.mesh().filter(|it| it.gap().is_some() || self == Self::First) {
-            return mesh.first(ray, (0.0, f64::INFINITY));
+        let is_first = matches!(self, Self::First(_));
+        if let Some(mesh) = primitive.mesh().filter(|it| it.gap().is_some() || is_first) {
+            return mesh.first(ray, (self.start(), f64::INFINITY));
         }
         if !primitive.is_solid() {
-            return primitive.crossings(ray, None).into_iter().next();
+            return primitive.crossings(ray, None).into_iter().next().filter(|it| it.t > self.start());
         }
         self.of_chords(&primitive.chords(ray, None))
     }
@@ -184,7 +206,7 @@ impl Meeting {
     /// Where a ray meets the solid that it has these pieces inside.
     fn of_chords(self, chords: &[Chord]) -> Option<Crossing> {
         match self {
-            Self::First => chords.iter().find_map(|it| self.of_chord(it)),
+            Self::First(_) => chords.iter().find_map(|it| self.of_chord(it)),
             Self::Middle | Self::End => self.of_chord(chords.first()?),
         }
     }
@@ -197,15 +219,15 @@ impl Meeting {
         ray: &Ray,
         (depth, grain): (f64, f64),
     ) -> Option<Crossing> {
-        if self != Self::First {
+        let Self::First(start) = self else {
             return self.of_chord(&relief.first_piece(ray, grain, depth, self == Self::End)?);
-        }
+        };
         let smooth = primitive.chords(ray, None);
         let near = smooth.first()?.near.t;
         if near >= depth {
             return None;
         }
-        if near > 0.0 {
+        if near > start {
             return relief.entry(ray, None);
         }
         self.of_chords(&relief.chords(ray, None))
@@ -214,7 +236,7 @@ impl Meeting {
     /// Where a ray meets the solid that it has this piece inside.
     pub(super) fn of_chord(self, chord: &Chord) -> Option<Crossing> {
         match self {
-            Self::First => [chord.near, chord.far].into_iter().find(|it| it.t > 0.0 && it.t.is_finite()),
+            Self::First(start) => [chord.near, chord.far].into_iter().find(|it| it.t > start && it.t.is_finite()),
             Self::Middle => Some(Crossing { t: 0.5 * (chord.near.t + chord.far.t), face: chord.near.face }),
             Self::End => Some(chord.far),
         }
@@ -225,14 +247,14 @@ impl Meeting {
     fn among<K: Kernel>(self, kernel: K, pieces: &Pieces<K::Lanes>) -> (u32, [f64; EIGHT], [u32; EIGHT]) {
         let lanes = kernel.lanes();
         let (near, far) = (pieces.near.t, pieces.far.t);
-        let (zero, infinity) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, f64::INFINITY));
-        let comes_in = near.gt(zero);
+        let (start, infinity) = (Wide::splat(lanes, self.start()), Wide::splat(lanes, f64::INFINITY));
+        let comes_in = near.gt(start);
         let (t, faces) = match self {
-            Self::First => (comes_in.select(near, far), comes_in.select_bits(pieces.near.face, pieces.far.face)),
+            Self::First(_) => (comes_in.select(near, far), comes_in.select_bits(pieces.near.face, pieces.far.face)),
             Self::Middle => ((near + far) * Wide::splat(lanes, 0.5), pieces.near.face),
             Self::End => (far, pieces.far.face),
         };
-        let met = kernel.bits((pieces.met & t.gt(zero) & t.lt(infinity)).value);
+        let met = kernel.bits((pieces.met & t.gt(start) & t.lt(infinity)).value);
         let faces: [u64; EIGHT] = pulp::cast(faces);
         (met, pulp::cast(t.value), faces.map(|it| (it / FACE) as u32))
     }

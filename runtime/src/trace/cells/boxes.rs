@@ -149,6 +149,14 @@ pub(super) struct BoxRays {
     spans: [Span; 3],
 }
 
+/// The planes of a node's boxes that rays meet first and last on each axis.
+pub(super) struct Sides<'n> {
+    first: [&'n [f32; WIDTH]; 3],
+    last: [&'n [f32; WIDTH]; 3],
+    /// Whether some of the rays go one way on an axis and some the other: then they are so for some alone.
+    mixed: bool,
+}
+
 /// Within what bounds the rays of a packet lie on an axis.
 #[derive(Clone, Copy)]
 struct Span {
@@ -220,18 +228,33 @@ impl BoxRays {
         (kernel.bits16(met), pulp::cast(near))
     }
 
+    /// The planes of a node's boxes, in the order in which the rays meet them.
+    #[inline(always)]
+    pub(super) fn sides<'n>(&self, node: &'n Node) -> Sides<'n> {
+        let mut sides = Sides { first: [&node.planes[0]; 3], last: [&node.planes[0]; 3], mixed: false };
+        for (axis, span) in self.spans.iter().enumerate() {
+            let (lower, upper) = (&node.planes[axis], &node.planes[axis + 3]);
+            (sides.first[axis], sides.last[axis]) = if span.upper == 0 { (lower, upper) } else { (upper, lower) };
+            sides.mixed |= !span.one_way;
+        }
+        sides
+    }
+
     /// The rays that meet the box of a lane between two places on each.
     #[inline(always)]
-    pub(super) fn meet<K: Kernel>(&self, kernel: K, node: &Node, lane: usize, from: f32x16, to: f32x16) -> u32 {
+    pub(super) fn meet<K: Kernel>(&self, kernel: K, sides: &Sides, lane: usize, from: f32x16, to: f32x16) -> u32 {
         let lanes = kernel.lanes();
         let (mut near, mut far) = (from, to);
         for axis in 0..3 {
             let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
-            let lower = lanes.sub_f32s(lanes.splat_f32s(node.planes[axis][lane]), origin);
-            let upper = lanes.sub_f32s(lanes.splat_f32s(node.planes[axis + 3][lane]), origin);
-            let (lower, upper) = (lanes.mul_f32s(lower, inverse), lanes.mul_f32s(upper, inverse));
-            near = lanes.max_f32s(near, lanes.min_f32s(lower, upper));
-            far = lanes.min_f32s(far, lanes.max_f32s(lower, upper));
+            let first = lanes.sub_f32s(lanes.splat_f32s(sides.first[axis][lane]), origin);
+            let last = lanes.sub_f32s(lanes.splat_f32s(sides.last[axis][lane]), origin);
+            let (mut first, mut last) = (lanes.mul_f32s(first, inverse), lanes.mul_f32s(last, inverse));
+            if sides.mixed {
+                (first, last) = (lanes.min_f32s(first, last), lanes.max_f32s(first, last));
+            }
+            near = lanes.max_f32s(near, first);
+            far = lanes.min_f32s(far, last);
         }
         kernel.bits16(lanes.less_than_or_equal_f32s(near, far))
     }

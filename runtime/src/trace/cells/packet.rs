@@ -299,9 +299,10 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         let mut met = Opened::default();
         let rays = rays & self.ask.asking;
+        let sides = frame.rays.boxes.sides(node);
         for lane in lanes_of(bits) {
             let meeting = if self.tracing.cull {
-                rays & frame.rays.boxes.meet(kernel, node, lane, frame.rays.from, frame.rays.to)
+                rays & frame.rays.boxes.meet(kernel, &sides, lane, frame.rays.from, frame.rays.to)
             } else {
                 rays
             };
@@ -584,10 +585,14 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             let pieces = convex.pieces(lanes, &local.lines(leaf));
             let asking = Mask::new(lanes, kernel.mask(rays));
             apart |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
+            let met = pieces.met & asking;
+            if kernel.bits(met.value) == 0 {
+                continue;
+            }
             let near = local.world(pieces.near.t);
             let far = if leaf.solid { Some(local.world(pieces.far.t)) } else { None };
             let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
-            apart |= self.ask.meet(kernel, half, pieces.met & asking, (near, far), found) << (half * EIGHT);
+            apart |= self.ask.meet(kernel, half, met, (near, far), found) << (half * EIGHT);
         }
         apart
     }

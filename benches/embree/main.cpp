@@ -141,7 +141,9 @@ static void packet(RTCScene scene, RTCIntersectContext &context, const Camera &c
         shades[i] = faces ? cosine : 0;
         any = any || faces;
         counts.shadow += faces;
-        set(shadows, i, camera.eye + direction * rays.ray.tfar[i] + normal * aside, sun, aside);
+        // Embree looks at rays that do not ask, too, where it takes sixteen as twice eight.
+        Vec start = faces ? camera.eye + direction * rays.ray.tfar[i] + normal * aside : camera.eye;
+        set(shadows, i, start, sun, aside);
     }
     if (any) P::occluded(lit, scene, &context, &shadows);
     for (int i = 0; i < K; i++) {

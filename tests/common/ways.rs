@@ -38,10 +38,15 @@ pub(crate) fn long(text: &str) -> String {
 
 /// What a picture of a program comes to: itself, or the code of the first error.
 pub(crate) fn picture(text: &str, by_the_book: bool) -> Result<Picture, String> {
-    picture_of(&compiled(text), by_the_book)
+    picture_of(&compiled(text), by_the_book, &options())
 }
 
-fn picture_of(compiled: &Compiled, by_the_book: bool) -> Result<Picture, String> {
+/// The same with so many pixels, one ray through each.
+pub(crate) fn picture_in(size: (u32, u32), text: &str, by_the_book: bool) -> Result<Picture, String> {
+    picture_of(&compiled(text), by_the_book, &RenderOptions { size: Some(size), ..options() })
+}
+
+fn picture_of(compiled: &Compiled, by_the_book: bool, options: &RenderOptions) -> Result<Picture, String> {
     let Some(scene) = &compiled.scene else {
         let error = compiled.problems.iter().find(|it| it.is_error());
         return Err(error.map_or("no error and no scene", |it| it.code).to_owned());
@@ -49,10 +54,10 @@ fn picture_of(compiled: &Compiled, by_the_book: bool) -> Result<Picture, String>
     let code = |fault| problem_of_fault(&fault, &compiled.vocabulary).code.to_owned();
     let limits = Limits::default();
     if by_the_book {
-        return render(scene, &Reference::new(scene, &limits), &options(), &()).map_err(code);
+        return render(scene, &Reference::new(scene, &limits), options, &()).map_err(code);
     }
     let tracer = CellTracer::new(scene, &limits, Culling::State).map_err(code)?;
-    render(scene, &tracer, &options(), &()).map_err(code)
+    render(scene, &tracer, options, &()).map_err(code)
 }
 
 /// What a picture by rays comes to.
@@ -61,7 +66,7 @@ pub(crate) fn traced(text: &str) -> String {
 }
 
 fn traced_of(compiled: &Compiled) -> String {
-    match picture_of(compiled, false) {
+    match picture_of(compiled, false, &options()) {
         Ok(picture) => wrong_with(&picture).unwrap_or("fine").to_owned(),
         Err(code) => code,
     }

@@ -5,6 +5,7 @@
 
 mod angles;
 mod cameras;
+mod coinciding;
 #[path = "../common/mod.rs"]
 mod common;
 mod fields;

@@ -57,6 +57,12 @@ impl<S: Simd> Wide<S> {
         Self { value: self.lanes.max_f64s(self.value, (-self).value), ..self }
     }
 
+    /// The greater of two; the other where one is none.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        self.gt(other).select(self, other)
+    }
+
     #[inline(always)]
     pub(crate) fn lt(self, other: Self) -> Mask<S> {
         Mask { lanes: self.lanes, value: self.lanes.less_than_f64s(self.value, other.value) }
@@ -138,6 +144,12 @@ impl<S: Simd> Wide3<S> {
     #[inline(always)]
     pub(crate) fn dot(self, other: Self) -> Wide<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// The largest part of each, without its sign.
+    #[inline(always)]
+    pub(crate) fn largest(self) -> Wide<S> {
+        self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
     /// Vectors multiplied part by part.

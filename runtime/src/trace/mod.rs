@@ -3,6 +3,7 @@
 //! There are two tracers of one shape. [`reference`] walks the graph by the book (GT95, section 3): slow, short, obviously right.
 //! The other is fast and goes through states and cells. Whoever shades cannot tell which one it was that saw.
 
+mod bias;
 pub mod cells;
 mod chain;
 mod distinct;

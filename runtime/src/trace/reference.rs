@@ -87,9 +87,10 @@ impl<'s> Reference<'s> {
         Ok(Walked { line, surfaces: walk.surfaces, selected: walk.selected })
     }
 
-    fn see(&self, ray: &Ray, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
+    fn see(&self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
+        let ray = &beam.ray;
         let Walked { line, surfaces, .. } = self.walk(ray, from)?;
-        if let Some((t, surface, flipped)) = line.first_after_start() {
+        if let Some((t, surface, flipped)) = line.first_after(from.map_or(0.0, |_| beam.bias())) {
             let surface = &surfaces[surface as usize];
             seen.push(surface.fragment(ray, t, flipped, &self.roughs));
             surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
@@ -104,12 +105,12 @@ impl<'s> Reference<'s> {
 
     fn see_all<'r>(
         &self,
-        rays: impl Iterator<Item = (&'r Ray, Option<&'r Site>)>,
+        beams: impl Iterator<Item = (&'r Beam, Option<&'r Site>)>,
         seen: &mut Seen,
     ) -> Result<(), RayFault> {
         seen.clear();
-        for (number, (ray, from)) in rays.enumerate() {
-            self.see(ray, from, seen).map_err(|fault| RayFault { ray: number, fault })?;
+        for (number, (beam, from)) in beams.enumerate() {
+            self.see(beam, from, seen).map_err(|fault| RayFault { ray: number, fault })?;
         }
         Ok(())
     }
@@ -117,11 +118,11 @@ impl<'s> Reference<'s> {
 
 impl Tracer for Reference<'_> {
     fn look(&self, beams: &[Beam], seen: &mut Seen) -> Result<(), RayFault> {
-        self.see_all(beams.iter().map(|it| (&it.ray, None)), seen)
+        self.see_all(beams.iter().map(|it| (it, None)), seen)
     }
 
     fn look_from(&self, beams: &[SurfaceBeam], seen: &mut Seen) -> Result<(), RayFault> {
-        self.see_all(beams.iter().map(|it| (&it.beam.ray, Some(&it.from))), seen)
+        self.see_all(beams.iter().map(|it| (&it.beam, Some(&it.from))), seen)
     }
 
     fn light(&self, beams: &[SurfaceBeam], light: &mut Vec<f64>) -> Result<(), RayFault> {
@@ -129,7 +130,7 @@ impl Tracer for Reference<'_> {
         for (number, it) in beams.iter().enumerate() {
             let walked = self.walk(&it.beam.ray, Some(&it.from));
             let Walked { line, .. } = walked.map_err(|fault| RayFault { ray: number, fault })?;
-            light.push(if line.first_after_start().is_some() { 0.0 } else { 1.0 });
+            light.push(if line.first_after(it.beam.bias()).is_some() { 0.0 } else { 1.0 });
         }
         Ok(())
     }
@@ -170,12 +171,12 @@ impl Line {
         Self { inside: Intervals::empty(), crossings: Vec::new() }
     }
 
-    /// The first surface after t = 0, and whether it is one that a difference turned inside out.
-    fn first_after_start(&self) -> Option<(f64, u32, bool)> {
+    /// The first surface after `start`, and whether it is one that a difference turned inside out.
+    fn first_after(&self, start: f64) -> Option<(f64, u32, bool)> {
         let ends =
             self.inside.as_slice().iter().flat_map(|it| [it.near, it.far]).map(|it| (it.t, it.surface, it.flipped));
         let crossings = self.crossings.iter().map(|(t, surface)| (*t, *surface, false));
-        let visible = ends.chain(crossings).filter(|it| it.0 > 0.0 && it.0.is_finite());
+        let visible = ends.chain(crossings).filter(|it| it.0 > start && it.0.is_finite());
         // Surfaces are numbered in the order written, and of two at one place the first written is seen.
         visible.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }

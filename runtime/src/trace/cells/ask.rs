@@ -262,6 +262,8 @@ pub(super) struct Ask<'q> {
     pub(super) from: Option<&'q Site>,
     /// Whether it is known to go away from that surface, on the side to which its normal points.
     pub(super) leaving: bool,
+    /// Up to which t it meets only that surface, as [`Beam::bias`]; 0 if it starts on none.
+    pub(super) start: f64,
     pub(super) girth: Girth,
     /// The ray's number in its packet.
     pub(super) ray: u8,
@@ -283,11 +285,20 @@ pub(super) struct Ask<'q> {
 }
 
 impl<'q> Ask<'q> {
-    pub(super) fn new(question: Question, from: Option<&'q Site>, girth: Girth, notes: &'q mut Notes) -> Self {
+    /// A question along a beam, and the surface that it starts on.
+    pub(super) fn along(question: Question, beam: &Beam, from: Option<&'q Site>, notes: &'q mut Notes) -> Self {
+        let start = from.map_or(0.0, |_| beam.bias());
+        Self { from, start, ..Self::new(question, Girth::of(beam), notes) }
+    }
+
+    /// A question along a beam that starts on no surface.
+    #[inline]
+    pub(super) fn new(question: Question, girth: Girth, notes: &'q mut Notes) -> Self {
         Self {
             question,
-            from,
+            from: None,
             leaving: false,
+            start: 0.0,
             girth,
             ray: 0,
             best: f64::INFINITY,
@@ -336,23 +347,24 @@ impl<'q> Ask<'q> {
     /// What a piece of the ray inside a solid, or a surface met (with no `far`), says to the question.
     #[inline(always)]
     pub(super) fn meet(&mut self, near: Event, far: Option<Event>) {
-        let inside = far.is_some_and(|it| near.t <= 0.0 && it.t > 0.0);
+        let start = self.start;
+        let inside = far.is_some_and(|it| near.t <= start && it.t > start);
         match self.question {
             Question::Nearest if inside => self.over = true,
             Question::Surface if far.is_some() => {}
             Question::Nearest | Question::Surface => {
-                if near.t > 0.0 && near.t <= self.best {
+                if near.t > start && near.t <= self.best {
                     self.take(near);
                 }
             }
             Question::Any => {
-                self.over |= near.t > 0.0 || far.is_some_and(|it| it.t > 0.0 && it.t < f64::INFINITY);
+                self.over |= near.t > start || far.is_some_and(|it| it.t > start && it.t < f64::INFINITY);
             }
             Question::Exit => {
                 if let Some(far) = far
                     && near.t <= self.best
                     && far.t >= self.best
-                    && far.t > 0.0
+                    && far.t > start
                 {
                     self.take(far);
                 }

@@ -5,6 +5,7 @@ use pulp::{Simd, f64x8, u64x8};
 use super::ask::{Ask, Found, Girth, Loss, Notes, Question, Veil};
 use super::ray::Locals;
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, Wide3, lane_of};
+use crate::trace::bias::bias;
 use crate::trace::{Beam, Site};
 
 /// Rays in a packet.
@@ -25,7 +26,9 @@ pub(super) struct Packet<'q, S: Simd> {
     pub(super) direction: Halves<Wide3<S>>,
     width: Halves<f64x8>,
     spread: Halves<f64x8>,
-    /// The surfaces that they start on.
+    /// Up to where they meet only the surfaces that they start on, as [`Ask::start`].
+    start: Halves<f64x8>,
+    /// Those surfaces.
     from: [Option<&'q Site>; RAYS],
     /// The lanes that are not left, one bit each,
     asking: u32,
@@ -48,7 +51,7 @@ impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
         let nowhere = Wide3 { x: zero, y: zero, z: zero };
         let (mut from, mut sited, mut through) = ([None; RAYS], 0, 0);
         let (mut origin, mut direction) = ([nowhere; 2], [nowhere; 2]);
-        let (mut width, mut spread) = ([zero.value; 2], [zero.value; 2]);
+        let (mut width, mut spread, mut start) = ([zero.value; 2], [zero.value; 2], [zero.value; 2]);
         for half in 0..2 {
             let mut rows = [zero.value; EIGHT];
             for (lane, row) in rows.iter_mut().enumerate() {
@@ -63,9 +66,14 @@ impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
             origin[half] = Wide3 { x: Wide::new(lanes, x), y: Wide::new(lanes, y), z: Wide::new(lanes, z) };
             direction[half] = Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) };
             (width[half], spread[half]) = (wide, spreading);
+            let on_surface = kernel.mask(sited >> (half * EIGHT) & 0xff);
+            if sited >> (half * EIGHT) != 0 {
+                let bias = bias(origin[half], direction[half], Wide::new(lanes, wide));
+                start[half] = Mask::new(lanes, on_surface).select(bias, zero).value;
+            }
         }
         let asking = ((1_u64 << count) - 1) as u32;
-        Self { origin, direction, width, spread, from, asking, sited, through }
+        Self { origin, direction, width, spread, start, from, asking, sited, through }
     }
 }
 
@@ -85,6 +93,8 @@ pub(super) struct PacketAsk<'q> {
     /// How wide the beams are, and by how much they grow.
     width: Halves<f64x8>,
     spread: Halves<f64x8>,
+    /// As [`Ask::start`].
+    start: Halves<f64x8>,
     pub(super) best: Halves<f64x8>,
     pub(super) found: Halves<u64x8>,
     /// How much light veils have taken.
@@ -103,7 +113,7 @@ impl<'q> PacketAsk<'q> {
     where
         S: Simd<f64s = f64x8>,
     {
-        let Packet { asking, from, through, width, spread, .. } = *packet;
+        let Packet { asking, from, through, width, spread, start, .. } = *packet;
         Self {
             question,
             from,
@@ -113,6 +123,7 @@ impl<'q> PacketAsk<'q> {
             over: 0,
             width,
             spread,
+            start,
             best: [pulp::cast([f64::INFINITY; EIGHT]); 2],
             found: [pulp::cast([Found::NOTHING.0; EIGHT]); 2],
             loss: [Loss::default(); RAYS],
@@ -144,23 +155,23 @@ impl<'q> PacketAsk<'q> {
         found: u64x8,
     ) -> u32 {
         let lanes = kernel.lanes();
-        let zero = Wide::splat(lanes, 0.0);
+        let start = Wide::new(lanes, self.start[half]);
         match self.question {
             Question::Any => {
-                let mut hit = near.gt(zero);
+                let mut hit = near.gt(start);
                 if let Some(far) = far {
-                    hit = hit | (far.gt(zero) & far.lt(Wide::splat(lanes, f64::INFINITY)));
+                    hit = hit | (far.gt(start) & far.lt(Wide::splat(lanes, f64::INFINITY)));
                 }
                 self.end(kernel.bits((met & hit).value) << (half * EIGHT));
                 0
             }
             _ => {
                 let best = Wide::new(lanes, self.best[half]);
-                let ahead = met & near.gt(zero);
+                let ahead = met & near.gt(start);
                 let closer = ahead & near.lt(best);
                 let tie = ahead & near.equals(best);
                 if let Some(far) = far {
-                    let inside = met & near.le(zero) & far.gt(zero);
+                    let inside = met & near.le(start) & far.gt(start);
                     self.end(kernel.bits(inside.value) << (half * EIGHT));
                 }
                 self.best[half] = closer.select(near, best).value;
@@ -202,10 +213,17 @@ impl<'q> PacketAsk<'q> {
         'q: 'a,
     {
         let (best, found) = self.found(ray);
-        let mut ask = Ask::new(self.question, self.from[ray], self.girth(ray), notes);
-        (ask.ray, ask.best, ask.found, ask.loss, ask.steps) = (ray as u8, best, found, self.loss[ray], self.steps);
-        ask.leaving = self.leaving >> ray & 1 == 1;
-        ask
+        Ask {
+            from: self.from[ray],
+            leaving: self.leaving >> ray & 1 == 1,
+            start: lane_of(&self.start[ray / EIGHT], ray % EIGHT),
+            ray: ray as u8,
+            best,
+            found,
+            loss: self.loss[ray],
+            steps: self.steps,
+            ..Ask::new(self.question, self.girth(ray), notes)
+        }
     }
 
     /// Where a ray has met something, and what.

@@ -28,7 +28,7 @@ use crate::form::Origin;
 use crate::geometry::Ray;
 use crate::lanes::Kernel;
 use crate::quick_hash::BuildQuickHash;
-use crate::trace::{Fragment, Seen, State};
+use crate::trace::{Beam, Fragment, Seen, State};
 
 /// Directions that a state is seen along, and back.
 const AXES: u32 = 24;
@@ -171,7 +171,7 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
     fn see(&self, ray: &Ray, girth: Girth, notes: &mut Notes, seen: &mut Seen) -> Result<(), Fault> {
         seen.clear();
         notes.clear();
-        let mut ask = Ask::new(Question::Nearest, None, girth, notes);
+        let mut ask = Ask::new(Question::Nearest, girth, notes);
         self.ask(&mut ask, ray)?;
         let (depth, found) = (ask.best, ask.found);
         let cell = self.cell(&self.generation)?;
@@ -241,8 +241,10 @@ impl<K: Kernel> Surveyor<'_, '_, K> {
             return Ok(None);
         };
         notes.clear();
-        let mut ask = Ask::new(Question::Any, Some(&fragment.site), girth, notes);
-        self.ask(&mut ask, &Ray { origin: fragment.position, direction })?;
+        let ray = Ray { origin: fragment.position, direction };
+        let beam = Beam { ray, width: girth.width, spread: girth.spread };
+        let mut ask = Ask::along(Question::Any, &beam, Some(&fragment.site), notes);
+        self.ask(&mut ask, &ray)?;
         Ok(Some(if ask.over { 0.0 } else { ask.loss.left() }))
     }
 }

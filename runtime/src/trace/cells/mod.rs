@@ -357,7 +357,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
 
     fn look(&mut self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
         let mut notes = self.new_notes();
-        let mut ask = Ask::new(Question::Nearest, from, Girth::of(beam), &mut notes);
+        let mut ask = Ask::along(Question::Nearest, beam, from, &mut notes);
         let asked = self.ask_alone(&mut ask, &beam.ray);
         let Ask { best: depth, found, over, .. } = ask;
         self.notes = notes;
@@ -371,7 +371,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// How many cells a beam goes through.
     fn cells(&mut self, beam: &Beam) -> Result<u32, Fault> {
         let mut notes = self.new_notes();
-        let mut ask = Ask::new(Question::Nearest, None, Girth::of(beam), &mut notes);
+        let mut ask = Ask::along(Question::Nearest, beam, None, &mut notes);
         let asked = self.ask_alone(&mut ask, &beam.ray);
         let cells = ask.cells;
         self.notes = notes;
@@ -409,8 +409,8 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     }
 
     fn ask_out(&mut self, beam: &Beam, from: Option<&Site>, notes: &mut Notes) -> Result<(f64, Found), Fault> {
-        let mut ask = Ask::new(Question::Exit, from, Girth::of(beam), notes);
-        ask.best = 0.0;
+        let mut ask = Ask::along(Question::Exit, beam, from, notes);
+        ask.best = ask.start;
         loop {
             let before = ask.best;
             self.ask_alone(&mut ask, &beam.ray)?;
@@ -455,7 +455,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     #[inline(never)]
     fn light_of(&mut self, (beam, from): (Beam, Option<&Site>), leaves: bool) -> Result<f64, Fault> {
         let mut notes = self.new_notes();
-        let mut ask = Ask::new(Question::Any, from, Girth::of(&beam), &mut notes);
+        let mut ask = Ask::along(Question::Any, &beam, from, &mut notes);
         ask.leaving = leaves;
         let asked = self.ask_alone(&mut ask, &beam.ray);
         let left = if ask.over { 0.0 } else { ask.loss.left() };

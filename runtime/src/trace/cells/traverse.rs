@@ -500,7 +500,7 @@ fn meet_rough(ask: &mut Ask, rough: &Rough, set: &Shown<'_>, leaf: &Leaf, passag
     // What is carved away only leaves what lies further on.
     let chord = set.chord(&line, None).filter(|it| !is_first || ray.world(it.near.t) <= ask.best);
     // Who asks what is met first, or whether anything is, need not know where what lies ahead ends.
-    let is_enough = |near: f64| (is_first || ask.question == Question::Any) && ray.world(near) > 0.0;
+    let is_enough = |near: f64| (is_first || ask.question == Question::Any) && ray.world(near) > ask.start;
     if let Some((near, far)) = chord.and_then(|it| rough.ends(set, &line, it, is_enough)) {
         let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
         let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
@@ -602,7 +602,7 @@ fn meet_mesh(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
         return;
     };
     let line = ray.line(&leaf.leaf_from_cell);
-    let start = ray.own(0.0);
+    let start = ray.own(ask.start);
     let is_outside = !leaf.solid || !start.is_finite() || !mesh.may_hold(line.at(start));
     if !is_outside || ask.question == Question::Exit {
         return meet_primitive(ask, cell, leaf, trail, ray, None);
@@ -621,10 +621,10 @@ fn first_entry(ask: &Ask, relief: &Relief, line: &Ray, ray: &Local, from: Option
     }
     let outer = relief.primitive().chords(line, None);
     let (near, far) = outer.first().map_or((f64::INFINITY, 0.0), |it| (ray.world(it.near.t), ray.world(it.far.t)));
-    if from.is_none() && (near > ask.best || far < 0.0) {
+    if from.is_none() && (near > ask.best || far <= ask.start) {
         return Some(None);
     }
-    (from.is_some() || near > 0.0).then(|| relief.entry(line, from))
+    (from.is_some() || near > ask.start).then(|| relief.entry(line, from))
 }
 
 /// Where on a ray nothing more is of interest.

@@ -25,7 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "target" / "peers"
 USUAL = ["s1/6", "s1/8", "s1/10", "s1/12", "s1/14", "s2", "s4", "pine"]
-ORDERS = {"s1": ("Sierpinski.order", 10), "s2": ("Sympodial.order", 11), "s4": ("Terrain.order", 8), "pine": ("Pine.height", 15)}
+ORDERS = {"s1": ("Sierpinski.order", 10), "s2": ("Sympodial.order", 11), "leafy": ("Sympodial.order", 11), "s4": ("Terrain.order", 8), "pine": ("Pine.height", 15)}
 # So many pixels may come out otherwise in single precision, or with another way to round. Which way a facet far smaller
 # than a pixel faces is a matter of rounding more often than whether something is hit.
 TOLERANCES = {"hits": 10, "shadow": 20}
@@ -50,7 +50,7 @@ def main():
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="*", help="s1/ORDER, s2, s2/ORDER, s4, s4/ORDER, pine, pine/HEIGHT; usually " + " ".join(USUAL))
+    parser.add_argument("scenes", nargs="*", help="s1/ORDER, s2, s2/ORDER, leafy, leafy/ORDER, s4, s4/ORDER, pine, pine/HEIGHT; usually " + " ".join(USUAL))
     parser.add_argument("--rounds", type=int, default=5, help="how often each contender has its turn (5)")
     parser.add_argument("--frames", type=int, default=5, help="frames a turn, of those that make more than one (5)")
     parser.add_argument(

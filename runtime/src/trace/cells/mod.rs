@@ -319,9 +319,12 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
     /// What the beams of a packet see.
     #[inline(always)]
     fn look_all<B: Start>(&mut self, beams: &[B], seen: &mut Seen) -> Result<(), RayFault> {
+        if beams.len() == 1 {
+            return self.look_each(beams, seen);
+        }
         let packet = Packet::new(self.tracing.kernel, beams.len(), |it| beams[it].beam());
         let mut ask = PacketAsk::new(Question::Nearest, &packet);
-        if beams.len() == 1 || !self.ask_together(&mut ask, &packet) {
+        if !self.ask_together(&mut ask, &packet) {
             return self.look_each(beams, seen);
         }
         let seeing = if self.notes.veils.is_empty() { ask.met(self.tracing.kernel) | ask.over } else { u32::MAX };
@@ -435,15 +438,14 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         L: Fn(usize) -> bool,
     {
         let Numbered { count, beam, leaves } = beams;
+        if *count == 1 {
+            return self.light_each(beams, light);
+        }
         let packet = Packet::new(self.tracing.kernel, *count, beam);
         let mut ask = PacketAsk::new(Question::Any, &packet);
         ask.leaving = (0..*count).fold(0, |bits, number| bits | u32::from(leaves(number)) << number);
-        if *count == 1 || !self.ask_together(&mut ask, &packet) {
-            return (0..*count).try_for_each(|number| {
-                let left = self.light_of(beam(number), leaves(number));
-                light.push(left.map_err(|fault| RayFault { ray: number, fault })?);
-                Ok(())
-            });
+        if !self.ask_together(&mut ask, &packet) {
+            return self.light_each(beams, light);
         }
         for ray in 0..*count {
             light.push(ask.light(ray));
@@ -451,8 +453,22 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         Ok(())
     }
 
+    /// How much light comes to beams, one after another: the first that meets a fault is the lowest.
     #[cold]
     #[inline(never)]
+    fn light_each<'b, B, L>(&mut self, beams: &Numbered<B, L>, light: &mut Vec<f64>) -> Result<(), RayFault>
+    where
+        B: Fn(usize) -> (Beam, Option<&'b Site>),
+        L: Fn(usize) -> bool,
+    {
+        let Numbered { count, beam, leaves } = beams;
+        for number in 0..*count {
+            let left = self.light_of(beam(number), leaves(number));
+            light.push(left.map_err(|fault| RayFault { ray: number, fault })?);
+        }
+        Ok(())
+    }
+
     fn light_of(&mut self, (beam, from): (Beam, Option<&Site>), leaves: bool) -> Result<f64, Fault> {
         let mut notes = self.new_notes();
         let mut ask = Ask::along(Question::Any, &beam, from, &mut notes);

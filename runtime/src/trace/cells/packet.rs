@@ -40,9 +40,7 @@ pub(super) struct PacketScratch<'g, K: Kernel> {
 
 impl<K: Kernel> Default for PacketScratch<'_, K> {
     fn default() -> Self {
-        // Frames are large: most searches have room from the beginning, and none is moved.
-        let (frames, ahead) = (Vec::with_capacity(USUAL), Vec::with_capacity(USUAL * WIDTH));
-        Self { frames, depth: 0, ahead, alone: Scratch::default() }
+        Self { frames: Vec::new(), depth: 0, ahead: Vec::new(), alone: Scratch::default() }
     }
 }
 
@@ -132,6 +130,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let frame = match self.scratch.frames.first_mut() {
             Some(frame) => frame,
             None => {
+                // Frames are large: most searches have room from the beginning, and none is moved.
+                self.scratch.frames.reserve(USUAL);
+                self.scratch.ahead.reserve(USUAL * WIDTH);
                 self.scratch.frames.push(Frame::blank(kernel, cell, way));
                 &mut self.scratch.frames[0]
             }

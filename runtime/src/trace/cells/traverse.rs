@@ -280,20 +280,30 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
         let node = &frame.cell.nodes[node as usize];
         let to = end(ask, &frame.passage.ray);
         let (bits, near) = met_of(self.tracing.kernel, self.tracing.cull, node, &frame.passage.boxes, frame.start, to);
-        let mut met = Opened::default();
-        for lane in lanes_of(bits) {
-            met.add(lane, near[lane], 1);
+        let found = |lane: usize| Ahead { near: near[lane], what: node.inside[lane], frame: number };
+        let in_order = ask.question != Question::Any;
+        // Most rays meet so few that there is nothing to be sorted.
+        match bits.count_ones() {
+            0 => None,
+            1 => Some(found(bits.trailing_zeros() as usize)),
+            2 => {
+                let (a, b) = (found(bits.trailing_zeros() as usize), found(bits.ilog2() as usize));
+                let (first, second) = if in_order && b.near < a.near { (b, a) } else { (a, b) };
+                ahead.push(second);
+                Some(first)
+            }
+            _ => {
+                let mut met = Opened::default();
+                lanes_of(bits).for_each(|lane| met.add(lane, near[lane], 1));
+                if in_order {
+                    met.sort();
+                }
+                let mut boxes = met.iter().map(|(lane, _)| found(lane));
+                let nearest = boxes.next()?;
+                boxes.rev().for_each(|it| ahead.push(it));
+                Some(nearest)
+            }
         }
-        if ask.question != Question::Any {
-            met.sort();
-        }
-        let mut boxes = met.iter().map(
-            #[inline(always)]
-            |(lane, _)| Ahead { near: near[lane], what: node.inside[lane], frame: number },
-        );
-        let nearest = boxes.next()?;
-        ahead.extend(boxes.rev());
-        Some(nearest)
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use crate::words;
 impl Resolver<'_> {
     /// The steps of a C-node or `calc`. What they name is seen until the caller forgets it.
     pub(super) fn steps(&mut self, scope: &mut Scope, steps: &[ast::Step]) -> Vec<Step> {
-        let mut resolved = Vec::new();
+        let mut resolved = Vec::with_capacity(steps.len());
         for step in steps {
             match step {
                 ast::Step::Let(it) => {

@@ -31,7 +31,7 @@ impl Resolver<'_> {
             }
             ast::ExprKind::Power(operands) => ExprKind::Power(self.exprs(scope, operands)),
             ast::ExprKind::Unary { ops, operand } => {
-                ExprKind::Unary { ops: ops.clone(), operand: Box::new(self.expr(scope, operand)) }
+                ExprKind::Unary { ops: ops.as_slice().into(), operand: Box::new(self.expr(scope, operand)) }
             }
             ast::ExprKind::Postfix { base, links } => self.postfix(scope, base, links, expr.span),
             ast::ExprKind::Vector(parts) => self.vector(scope, parts, expr.span),
@@ -41,7 +41,7 @@ impl Resolver<'_> {
         Expr { span: expr.span, kind }
     }
 
-    fn exprs(&mut self, scope: &mut Scope, exprs: &[ast::Expr]) -> Vec<Expr> {
+    fn exprs(&mut self, scope: &mut Scope, exprs: &[ast::Expr]) -> Box<[Expr]> {
         exprs.iter().map(|it| self.expr(scope, it)).collect()
     }
 
@@ -258,7 +258,7 @@ impl Resolver<'_> {
 
     /// Indices and parts after a value.
     fn links(&mut self, scope: &mut Scope, base: Expr, links: &[Tail], _span: Span) -> ExprKind {
-        let mut resolved = Vec::new();
+        let mut resolved = Vec::with_capacity(links.len());
         for (number, link) in links.iter().enumerate() {
             match link {
                 Tail::Index(index, span) => resolved.push(Link::Index(self.expr(scope, index), *span)),
@@ -279,7 +279,7 @@ impl Resolver<'_> {
                 }
             }
         }
-        ExprKind::Postfix { base: Box::new(base), links: resolved }
+        ExprKind::Postfix { base: Box::new(base), links: resolved.into() }
     }
 
     /// A function of the program.
@@ -300,7 +300,7 @@ impl Resolver<'_> {
     fn builtin_call(&mut self, scope: &mut Scope, name: &str, args: &[ast::Arg], head: Span, span: Span) -> ExprKind {
         let draw = builtin::DRAWS.iter().find(|it| it.0 == name);
         let place = if draw.is_some() { scope.next_draw() } else { 0 };
-        let values: Vec<Expr> = args.iter().map(|it| self.expr(scope, &it.value)).collect();
+        let values: Box<[Expr]> = args.iter().map(|it| self.expr(scope, &it.value)).collect();
         if let Some((_, draw, count)) = draw {
             let fine = self.check_count(scope, name, args, (*count, *count), span);
             return if fine { ExprKind::Draw { draw: *draw, args: values, place } } else { ExprKind::Error };

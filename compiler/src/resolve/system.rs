@@ -335,7 +335,10 @@ impl<'o> Resolver<'o> {
         let label = rule.label.as_ref().map(|it| it.text.clone());
         let appends = rule.arrow == Arrow::Append;
         let rule = Rule { label, span: rule_head(rule), priority, appends, guard, weight, body: successor };
-        self.program.modules[id.index()].rules.push(rule);
+        let rules = &mut self.program.modules[id.index()].rules;
+        // A module may have very many, and all their heads were seen.
+        rules.reserve_exact(self.labels[id.index()].len().saturating_sub(rules.len()));
+        rules.push(rule);
     }
 
     /// Makes a rule's names for its module's parameters known.

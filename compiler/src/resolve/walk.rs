@@ -23,7 +23,7 @@ impl Resolver<'_> {
                 return self.operator_in_walk(scope, op, operands, solid.span);
             }
         };
-        let mut strides = Vec::new();
+        let mut strides = Vec::with_capacity(terms.len());
         for term in terms {
             match self.term(scope, term) {
                 Role::Prefix(prefix, _) => {

@@ -6,13 +6,15 @@ use std::convert::Infallible;
 use lalrpop_util::{ErrorRecovery, ParseError};
 
 use crate::ast::{BinaryOp, Expr, ExprKind, Solid, SolidKind, Term, TermKind, UnaryOp};
+use crate::text::unescape;
 use crate::token::Token;
+use crate::values::Values;
 use crate::{FileId, Span};
 
 /// A mistake as the parser met it.
-pub(crate) struct Mistake<'a> {
+pub(crate) struct Mistake {
     /// The token that has no place, with its place; `None` at the end of the file.
-    pub(crate) found: Option<(u32, Token<'a>, u32)>,
+    pub(crate) found: Option<(u32, Token, u32)>,
     /// The names of the tokens that have one.
     pub(crate) expected: Vec<String>,
     /// What the parser has left out to go on.
@@ -33,14 +35,16 @@ pub(crate) struct Context<'a> {
     file: FileId,
     /// For each token below a doc comment where it begins, in order, with the comment.
     docs: Vec<(u32, String)>,
+    /// What names, numbers and texts say.
+    values: &'a Values<'a>,
     progress: &'a Progress,
     /// The mistakes met so far.
-    pub(crate) mistakes: Vec<Mistake<'a>>,
+    pub(crate) mistakes: Vec<Mistake>,
 }
 
 impl<'a> Context<'a> {
-    pub(crate) fn new(file: FileId, docs: Vec<(u32, String)>, progress: &'a Progress) -> Self {
-        Self { file, docs, progress, mistakes: Vec::new() }
+    pub(crate) fn new(file: FileId, docs: Vec<(u32, String)>, values: &'a Values<'a>, progress: &'a Progress) -> Self {
+        Self { file, docs, values, progress, mistakes: Vec::new() }
     }
 
     fn step(&self) {
@@ -51,6 +55,21 @@ impl<'a> Context<'a> {
     pub(crate) fn span(&self, start: u32, end: u32) -> Span {
         self.step();
         Span::new(self.file, start, end.max(start))
+    }
+
+    /// The name between two offsets.
+    pub(crate) fn name(&self, start: u32, end: u32) -> &'a str {
+        self.values.name(start, end)
+    }
+
+    /// The number between two offsets.
+    pub(crate) fn number(&self, start: u32, end: u32) -> f64 {
+        self.values.number(start, end)
+    }
+
+    /// The quoted text between two offsets, escapes resolved.
+    pub(crate) fn text(&self, start: u32, end: u32) -> String {
+        unescape(self.values.text(start, end))
     }
 
     /// The doc comment above what begins at `start`.
@@ -64,12 +83,12 @@ impl<'a> Context<'a> {
     /// Takes note of a mistake from which the parser has recovered.
     ///
     /// It has left out the text from `start` to `end`.
-    pub(crate) fn mistake(&mut self, start: u32, recovery: ErrorRecovery<u32, Token<'a>, Infallible>, end: u32) {
+    pub(crate) fn mistake(&mut self, start: u32, recovery: ErrorRecovery<u32, Token, Infallible>, end: u32) {
         self.problem(recovery.error, (start, end));
     }
 
     /// Takes note of a mistake.
-    pub(crate) fn problem(&mut self, error: ParseError<u32, Token<'a>, Infallible>, lost: (u32, u32)) {
+    pub(crate) fn problem(&mut self, error: ParseError<u32, Token, Infallible>, lost: (u32, u32)) {
         let (found, expected) = match error {
             ParseError::UnrecognizedToken { token, expected } => (Some(token), expected),
             ParseError::ExtraToken { token } => (Some(token), Vec::new()),

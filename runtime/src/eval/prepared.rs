@@ -268,7 +268,8 @@ mod tests {
 
         /// A code that assigns some slots and gives some values.
         fn write(seed: u64) -> Code {
-            let mut writer = Self { state: seed, ops: Vec::new(), results: Vec::new(), registers: 0, free: 0, draws: 0 };
+            let mut writer =
+                Self { state: seed, ops: Vec::new(), results: Vec::new(), registers: 0, free: 0, draws: 0 };
             // Mostly it is one or the other, as in programs.
             let kind = writer.pick(5);
             for _ in 0..if kind < 2 { 0 } else { writer.pick(3) } {

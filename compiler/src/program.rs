@@ -268,13 +268,13 @@ pub(crate) struct Module {
 /// A rule.
 #[derive(Debug)]
 pub(crate) struct Rule {
-    pub(crate) label: Option<String>,
+    pub(crate) label: Option<Arc<str>>,
     pub(crate) span: Span,
     pub(crate) priority: Option<i64>,
     /// Whether its successor is added to the module (`+>`) and does not stand in its place.
     pub(crate) appends: bool,
-    pub(crate) guard: Option<Expr>,
-    pub(crate) weight: Option<Expr>,
+    pub(crate) guard: Option<Box<Expr>>,
+    pub(crate) weight: Option<Box<Expr>>,
     pub(crate) body: Solid,
 }
 

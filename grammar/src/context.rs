@@ -1,7 +1,9 @@
 //! What the grammar's actions need besides the tokens.
 
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use lalrpop_util::{ErrorRecovery, ParseError};
 
@@ -37,6 +39,8 @@ pub(crate) struct Context<'a> {
     docs: Vec<(u32, String)>,
     /// What names, numbers and texts say.
     values: &'a Values<'a>,
+    /// All names met so far.
+    names: HashSet<Arc<str>>,
     progress: &'a Progress,
     /// The mistakes met so far.
     pub(crate) mistakes: Vec<Mistake>,
@@ -44,7 +48,7 @@ pub(crate) struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub(crate) fn new(file: FileId, docs: Vec<(u32, String)>, values: &'a Values<'a>, progress: &'a Progress) -> Self {
-        Self { file, docs, values, progress, mistakes: Vec::new() }
+        Self { file, docs, values, names: HashSet::new(), progress, mistakes: Vec::new() }
     }
 
     fn step(&self) {
@@ -58,8 +62,14 @@ impl<'a> Context<'a> {
     }
 
     /// The name between two offsets.
-    pub(crate) fn name(&self, start: u32, end: u32) -> &'a str {
-        self.values.name(start, end)
+    pub(crate) fn name(&mut self, start: u32, end: u32) -> Arc<str> {
+        let text = self.values.name(start, end);
+        if let Some(name) = self.names.get(text) {
+            return Arc::clone(name);
+        }
+        let name: Arc<str> = text.into();
+        self.names.insert(Arc::clone(&name));
+        name
     }
 
     /// The number between two offsets.
@@ -68,8 +78,8 @@ impl<'a> Context<'a> {
     }
 
     /// The quoted text between two offsets, escapes resolved.
-    pub(crate) fn text(&self, start: u32, end: u32) -> String {
-        unescape(self.values.text(start, end))
+    pub(crate) fn text(&self, start: u32, end: u32) -> Arc<str> {
+        unescape(self.values.text(start, end)).into()
     }
 
     /// The doc comment above what begins at `start`.
@@ -120,18 +130,18 @@ impl<'a> Context<'a> {
 
     /// Operators before a value.
     pub(crate) fn unary(&self, start: u32, ops: Vec<UnaryOp>, operand: Expr, end: u32) -> Expr {
-        Expr { span: self.span(start, end), kind: ExprKind::Unary { ops, operand: Box::new(operand) } }
+        Expr { span: self.span(start, end), kind: ExprKind::Unary { ops: ops.into(), operand: Box::new(operand) } }
     }
 
     /// Operators of one level between values.
     pub(crate) fn binary(&self, start: u32, (first, rest): Operands, end: u32) -> Expr {
-        Expr { span: self.span(start, end), kind: ExprKind::Binary { first: Box::new(first), rest } }
+        Expr { span: self.span(start, end), kind: ExprKind::Binary { first: Box::new(first), rest: rest.into() } }
     }
 
     /// `a ^ b ^ c`
     pub(crate) fn power(&self, start: u32, mut bases: Vec<Expr>, last: Expr, end: u32) -> Expr {
         bases.push(last);
-        Expr { span: self.span(start, end), kind: ExprKind::Power(bases) }
+        Expr { span: self.span(start, end), kind: ExprKind::Power(bases.into()) }
     }
 }
 

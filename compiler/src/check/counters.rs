@@ -33,7 +33,7 @@ pub(crate) fn find(program: &Program) -> Vec<Counter> {
         if system.kind != SystemKind::Csg || module.select.is_some() {
             continue;
         }
-        let waiting = || module.rules.iter().filter_map(|it| Some((it, it.guard.as_ref().and_then(waits)?)));
+        let waiting = || module.rules.iter().filter_map(|it| Some((it, it.guard.as_deref().and_then(waits)?)));
         let slots = waiting().map(|(_, (.., slot))| (slot, None)).collect();
         let mut search = Search { id: ModuleId(number as u32), module, found: slots };
         if !search.found.is_empty() {

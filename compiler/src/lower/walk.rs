@@ -74,7 +74,7 @@ impl Lowering<'_> {
             .rules
             .iter()
             .map(|rule| form::WalkRule {
-                label: rule.label.clone(),
+                label: rule.label.as_deref().map(str::to_owned),
                 // The checker lets no other number through.
                 priority: rule.priority.and_then(|it| i32::try_from(it).ok()).unwrap_or(0),
                 appends: rule.appends,

@@ -55,7 +55,7 @@ impl Resolver<'_> {
             let index = match &arg.name {
                 Some(name) => {
                     named = Some(name.span);
-                    let Some(index) = callee.params.iter().position(|it| *it == name.text) else {
+                    let Some(index) = callee.params.iter().position(|it| **it == *name.text) else {
                         let near = nearest(&name.text, callee.params.iter().copied());
                         let problem =
                             words::arguments::unknown(callee.name, &name.text, name.span, callee.params, near);

@@ -45,7 +45,7 @@ impl Resolver<'_> {
             if !self.may_be_unreadable(scope, &name.text) {
                 let near = self.nearest_var(scope, &name.text);
                 // What reads it further on is one mistake with this one.
-                self.unknown.insert((scope.file, scope.system, name.text.clone()));
+                self.unknown.insert((scope.file, scope.system, name.text.to_string()));
                 self.report(scope, words::systems::unknown_var(&name.text, name.span, near.as_deref()));
             }
             self.break_def(scope.def);

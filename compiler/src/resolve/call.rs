@@ -25,7 +25,7 @@ impl Resolver<'_> {
     ) -> Role {
         let error = Role::Solid(Solid { span, kind: SolidKind::Error });
         if path.qualifier.is_none()
-            && (path.name.text == "paint")
+            && (&*path.name.text == "paint")
             && self.lookup(scope, "paint", span).is_ok_and(|it| it.is_none())
         {
             return self.paint(scope, args, span);
@@ -177,7 +177,7 @@ impl Resolver<'_> {
 
     /// A built-in name in a chain.
     fn builtin_term(&mut self, scope: &mut Scope, name: &ast::Name, args: Option<&[ast::Arg]>, span: Span) -> Role {
-        let text = name.text.as_str();
+        let text = &*name.text;
         if let Some(it) = builtin::TRANSFORMS.iter().find(|it| it.name == text) {
             let kind = match self.grouped(scope, text, it.groups, args, span) {
                 Some((args, flat)) => PrefixKind::Transform { kind: it.kind, args, flat },

@@ -1,11 +1,12 @@
 //! Names in expressions.
 
+use std::sync::Arc;
+
 use treegen_grammar::Span;
 use treegen_grammar::ast::{self, Link as Tail};
 
 use super::Resolver;
 use super::arguments::Callee;
-use super::declare::shared;
 use super::names::{Meaning, Named};
 use super::scope::Scope;
 use crate::builtin;
@@ -18,7 +19,7 @@ impl Resolver<'_> {
     pub(super) fn expr(&mut self, scope: &mut Scope, expr: &ast::Expr) -> Expr {
         let kind = match &expr.kind {
             ast::ExprKind::Number(number) => ExprKind::Number(*number),
-            ast::ExprKind::Text(text) => ExprKind::Text(shared(text)),
+            ast::ExprKind::Text(text) => ExprKind::Text(Arc::clone(text)),
             ast::ExprKind::Bool(truth) => ExprKind::Bool(*truth),
             ast::ExprKind::Name(name) => self.name(scope, name, expr.span),
             ast::ExprKind::If { branches, otherwise } => {
@@ -31,7 +32,7 @@ impl Resolver<'_> {
             }
             ast::ExprKind::Power(operands) => ExprKind::Power(self.exprs(scope, operands)),
             ast::ExprKind::Unary { ops, operand } => {
-                ExprKind::Unary { ops: ops.as_slice().into(), operand: Box::new(self.expr(scope, operand)) }
+                ExprKind::Unary { ops: ops.clone(), operand: Box::new(self.expr(scope, operand)) }
             }
             ast::ExprKind::Postfix { base, links } => self.postfix(scope, base, links, expr.span),
             ast::ExprKind::Vector(parts) => self.vector(scope, parts, expr.span),
@@ -92,7 +93,7 @@ impl Resolver<'_> {
             _ => {}
         }
         if let Some(module) = scope.selects
-            && self.labels[module.index()].iter().flatten().any(|it| it == name)
+            && self.labels[module.index()].iter().flatten().any(|it| **it == *name)
         {
             let module = self.program.modules[module.index()].name.clone();
             self.report(scope, words::names::label_too_deep(name, span, &module));
@@ -141,7 +142,7 @@ impl Resolver<'_> {
         let (first, rest) = match (named.map(|it| it.meaning), links) {
             (Some(Meaning::Enum(id)), [Tail::Part(case), rest @ ..]) => {
                 let known = &self.program.enums[id.index()];
-                match known.cases.iter().position(|it| *it == case.text) {
+                match known.cases.iter().position(|it| **it == *case.text) {
                     Some(number) => (ExprKind::Case(id, number as u32), rest),
                     None => {
                         let near = nearest(&case.text, known.cases.iter().map(String::as_str)).map(str::to_owned);
@@ -263,7 +264,7 @@ impl Resolver<'_> {
             match link {
                 Tail::Index(index, span) => resolved.push(Link::Index(self.expr(scope, index), *span)),
                 Tail::Part(part) => {
-                    let Some(at) = ["x", "y", "z", "w"].iter().position(|it| *it == part.text) else {
+                    let Some(at) = ["x", "y", "z", "w"].iter().position(|it| **it == *part.text) else {
                         if !Self::is_error(&base) {
                             self.report(scope, words::types::unknown_part(&part.text, part.span));
                         }
@@ -376,7 +377,7 @@ impl Resolver<'_> {
         }
         self.break_def(scope.def);
         if !self.may_be_unreadable(scope, name) {
-            let labels: Vec<&str> = self.labels[module.index()].iter().flatten().map(String::as_str).collect();
+            let labels: Vec<&str> = self.labels[module.index()].iter().flatten().map(AsRef::as_ref).collect();
             let near = nearest(name, labels.iter().copied());
             let module = &self.program.modules[module.index()].name;
             let problem = words::types::unknown_label(module, name, expr.span, &labels, near);

@@ -48,7 +48,7 @@ pub(crate) fn balance(file: FileId, text: &str, tokens: &[Placed], findings: &mu
 }
 
 /// Cuts the text where items begin.
-fn segments<'t, 'a>(tokens: &'t [Placed]) -> Vec<&'t [Placed]> {
+fn segments(tokens: &[Placed]) -> Vec<&[Placed]> {
     let mut segments = Vec::new();
     let mut begin = 0;
     for (at, pair) in tokens.windows(2).enumerate() {

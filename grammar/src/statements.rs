@@ -67,7 +67,7 @@ impl Statements<'_> {
 }
 
 /// Adds the marks to `tokens`.
-pub(crate) fn mark<'t, 'a>(file: FileId, tokens: &'t [Placed], findings: &mut Vec<Finding>) -> Statements<'t> {
+pub(crate) fn mark<'t>(file: FileId, tokens: &'t [Placed], findings: &mut Vec<Finding>) -> Statements<'t> {
     let mut marker = Marker {
         file,
         findings,

@@ -20,11 +20,7 @@ const MOST_BYTES: usize = 64 << 10;
 
 /// Puts problems into the order of the text, each once.
 pub fn sort(problems: &mut Vec<Problem>) {
-    let order = |a: &Problem, b: &Problem| (a.span(), a.code, &a.message).cmp(&(b.span(), b.code, &b.message));
-    // To sort them takes room for them all once more, and the hundreds of thousands that one mistake may lead to are in order.
-    if !problems.is_sorted_by(|a, b| order(a, b).is_le()) {
-        problems.sort_by(order);
-    }
+    problems.sort_by(|a, b| (a.span(), a.code, &a.message).cmp(&(b.span(), b.code, &b.message)));
     // Where a name is told to hide the built-in one that is meant, the warning that it hides one says nothing more.
     let is_said = |next: &Problem, before: &Problem| {
         next == before || (next.code, before.code) == ("W0004", "E0307") && next.span() == before.span()

@@ -8,8 +8,7 @@
 //! branches of an `else if`, indices after a value) is one flat node with a `Vec`, so the height of a tree grows with its
 //! nesting only, and the parser limits that ([`MAX_NESTING`]). So a walk over the tree, and dropping it, may recurse.
 //!
-//! **Size.** There may be a million of most nodes, so what few of them have (a guard, the name of an argument) stands elsewhere, and what
-//! most have is not longer than it is.
+//! **Size.** There may be a million of most nodes, so what few of a kind have (a guard, the name of an argument) stands elsewhere.
 //!
 //! [`SyntaxError`]: crate::SyntaxError
 //! [`MAX_NESTING`]: crate::MAX_NESTING

@@ -268,13 +268,13 @@ pub(crate) struct Module {
 /// A rule.
 #[derive(Debug)]
 pub(crate) struct Rule {
-    pub(crate) label: Option<String>,
+    pub(crate) label: Option<Arc<str>>,
     pub(crate) span: Span,
     pub(crate) priority: Option<i64>,
     /// Whether its successor is added to the module (`+>`) and does not stand in its place.
     pub(crate) appends: bool,
-    pub(crate) guard: Option<Expr>,
-    pub(crate) weight: Option<Expr>,
+    pub(crate) guard: Option<Box<Expr>>,
+    pub(crate) weight: Option<Box<Expr>>,
     pub(crate) body: Solid,
 }
 
@@ -318,7 +318,7 @@ pub(crate) struct Solid {
     pub(crate) kind: SolidKind,
 }
 
-/// The kinds of [`Solid`].
+/// The kinds of [`Solid`]. Of one that is small there may be very many, so what is large stands elsewhere.
 #[derive(Debug)]
 pub(crate) enum SolidKind {
     Error,
@@ -335,22 +335,22 @@ pub(crate) enum SolidKind {
     },
     Primitive {
         kind: PrimitiveKind,
-        args: Vec<Expr>,
+        args: Box<[Expr]>,
         flat: bool,
     },
     Module {
         module: ModuleId,
-        args: Vec<Expr>,
+        args: Box<[Expr]>,
         place: u64,
     },
     System {
         system: SystemId,
-        args: Vec<(usize, Expr)>,
-        seed: Option<Expr>,
+        args: Box<[(usize, Expr)]>,
+        seed: Option<Box<Expr>>,
         place: u64,
     },
     Repeat {
-        count: Expr,
+        count: Box<Expr>,
         index: SlotId,
         body: Box<Solid>,
     },
@@ -359,7 +359,7 @@ pub(crate) enum SolidKind {
         otherwise: Option<Box<Solid>>,
     },
     /// Something that is checked and cannot be drawn yet.
-    Later(Later),
+    Later(Box<Later>),
     /// The terms of a walk.
     Walk(Vec<Stride>),
 }
@@ -379,7 +379,7 @@ pub(crate) struct Later {
 #[derive(Debug)]
 pub(crate) enum Stride {
     Prefix(Prefix),
-    Word(WalkWord, Vec<Expr>, Span),
+    Word(WalkWord, Box<[Expr]>, Span),
     Solid(Solid),
     Bracket(Solid),
 }
@@ -395,11 +395,11 @@ pub(crate) struct Prefix {
 #[derive(Debug)]
 pub(crate) enum PrefixKind {
     Error,
-    Transform { kind: TransformKind, args: Vec<Expr>, flat: bool },
+    Transform { kind: TransformKind, args: Box<[Expr]>, flat: bool },
     Paint(MaterialId),
     Calc(Vec<Step>),
-    Variant(Expr),
-    Later(Later),
+    Variant(Box<Expr>),
+    Later(Box<Later>),
 }
 
 /// An expression.
@@ -424,33 +424,33 @@ pub(crate) enum ExprKind {
     /// A parameter of the function around.
     Param(u16),
     If {
-        branches: Vec<(Expr, Expr)>,
+        branches: Box<[(Expr, Expr)]>,
         otherwise: Box<Expr>,
     },
     Binary {
         first: Box<Expr>,
-        rest: Vec<(BinaryOp, Span, Expr)>,
+        rest: Box<[(BinaryOp, Span, Expr)]>,
     },
-    Power(Vec<Expr>),
+    Power(Box<[Expr]>),
     Unary {
-        ops: Vec<UnaryOp>,
+        ops: Box<[UnaryOp]>,
         operand: Box<Expr>,
     },
     Postfix {
         base: Box<Expr>,
-        links: Vec<Link>,
+        links: Box<[Link]>,
     },
-    Vector(Vec<Expr>),
-    List(Vec<Expr>),
-    Builtin(Builtin, Vec<Expr>),
+    Vector(Box<[Expr]>),
+    List(Box<[Expr]>),
+    Builtin(Builtin, Box<[Expr]>),
     Draw {
         draw: Draw,
-        args: Vec<Expr>,
+        args: Box<[Expr]>,
         place: u64,
     },
     Call {
         function: FunctionId,
-        args: Vec<Expr>,
+        args: Box<[Expr]>,
         place: u64,
     },
 }

@@ -74,7 +74,7 @@ fn targets(units: &[Unit]) -> Vec<Target> {
     let mut targets = Vec::new();
     targets_of(FileId::MAIN, main, "", &mut targets);
     let uses = main.tree.items.iter().filter_map(|it| match &it.kind {
-        ItemKind::Use { path, alias, .. } => Some(alias.as_ref().map_or_else(|| stem(path), |it| it.text.clone())),
+        ItemKind::Use { path, alias, .. } => Some(alias.as_ref().map_or_else(|| stem(path), |it| it.text.to_string())),
         _ => None,
     });
     for (alias, file) in uses.zip(&main.uses) {
@@ -88,10 +88,10 @@ fn targets(units: &[Unit]) -> Vec<Target> {
         // Without a scene the formals of the system shown need no prefix.
         for formal in &shown.formals {
             targets.push(Target {
-                written: formal.name.text.clone(),
+                written: formal.name.text.to_string(),
                 file: FileId::MAIN,
-                system: Some(shown.name.text.clone()),
-                name: formal.name.text.clone(),
+                system: Some(shown.name.text.to_string()),
+                name: formal.name.text.to_string(),
             });
         }
     }
@@ -109,15 +109,15 @@ fn targets_of(file: FileId, unit: &Unit, prefix: &str, targets: &mut Vec<Target>
                 written: format!("{prefix}{}", formal.name.text),
                 file,
                 system: None,
-                name: formal.name.text.clone(),
+                name: formal.name.text.to_string(),
             }),
             ItemKind::System(system) => {
                 for formal in &system.formals {
                     targets.push(Target {
                         written: format!("{prefix}{}.{}", system.name.text, formal.name.text),
                         file,
-                        system: Some(system.name.text.clone()),
-                        name: formal.name.text.clone(),
+                        system: Some(system.name.text.to_string()),
+                        name: formal.name.text.to_string(),
                     });
                 }
             }

@@ -8,16 +8,20 @@
 //! branches of an `else if`, indices after a value) is one flat node with a `Vec`, so the height of a tree grows with its
 //! nesting only, and the parser limits that ([`MAX_NESTING`]). So a walk over the tree, and dropping it, may recurse.
 //!
+//! **Size.** There may be a million of most nodes, so what few of a kind have (a guard, the name of an argument) stands elsewhere.
+//!
 //! [`SyntaxError`]: crate::SyntaxError
 //! [`MAX_NESTING`]: crate::MAX_NESTING
+
+use std::sync::Arc;
 
 use crate::Span;
 
 /// A name with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Name {
-    /// The letters.
-    pub text: String,
+    /// The letters. Wherever a name stands in a file, it shares them.
+    pub text: Arc<str>,
     /// Where it stands.
     pub span: Span,
 }
@@ -124,7 +128,7 @@ pub struct Formal {
     /// The value it has unless given another.
     pub default: Option<Expr>,
     /// The values it may have, both ends included.
-    pub range: Option<Range>,
+    pub range: Option<Box<Range>>,
 }
 
 /// `low..high`
@@ -249,15 +253,15 @@ pub enum MemberKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
     /// The name before the colon.
-    pub label: Option<Name>,
+    pub label: Option<Box<Name>>,
     /// The module it is for.
     pub module: Name,
     /// Its names for the module's parameters.
-    pub params: Vec<Name>,
+    pub params: Box<[Name]>,
     /// When it applies.
-    pub guard: Option<Expr>,
+    pub guard: Option<Box<Expr>>,
     /// How likely it is.
-    pub weight: Option<Expr>,
+    pub weight: Option<Box<Expr>>,
     /// Whether the successor stands in the predecessor's place or is added to it.
     pub arrow: Arrow,
     /// What becomes of the module.
@@ -324,7 +328,7 @@ pub enum TermKind {
         /// What is called.
         path: Path,
         /// Its arguments; `None` when there are no parentheses.
-        args: Option<Vec<Arg>>,
+        args: Option<Box<[Arg]>>,
     },
     /// `( solid )`
     Group(Box<Solid>),
@@ -335,7 +339,7 @@ pub enum TermKind {
     /// `repeat n as i { solid }`
     Repeat {
         /// How often.
-        count: Expr,
+        count: Box<Expr>,
         /// The name that counts from 0.
         index: Option<Name>,
         /// What is repeated.
@@ -356,7 +360,7 @@ pub enum TermKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// The part before the dot.
-    pub qualifier: Option<Name>,
+    pub qualifier: Option<Box<Name>>,
     /// The name itself.
     pub name: Name,
 }
@@ -372,7 +376,7 @@ impl Path {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arg {
     /// The name before the colon.
-    pub name: Option<Name>,
+    pub name: Option<Box<Name>>,
     /// Its value.
     pub value: Expr,
 }
@@ -437,15 +441,15 @@ pub enum ExprKind {
     /// `12`
     Number(f64),
     /// `"bark.png"`, escapes resolved.
-    Text(String),
+    Text(Arc<str>),
     /// `true`
     Bool(bool),
     /// `n`
-    Name(String),
+    Name(Arc<str>),
     /// `if a then x else if b then y else z`
     If {
         /// Conditions in order, each with its value.
-        branches: Vec<(Expr, Expr)>,
+        branches: Box<[(Expr, Expr)]>,
         /// The value when none holds.
         otherwise: Box<Expr>,
     },
@@ -454,14 +458,14 @@ pub enum ExprKind {
         /// The first operand.
         first: Box<Expr>,
         /// The others, each with the operator before it and that operator's place.
-        rest: Vec<(BinaryOp, Span, Expr)>,
+        rest: Box<[(BinaryOp, Span, Expr)]>,
     },
     /// `a ^ b ^ c`, taken from the right.
-    Power(Vec<Expr>),
+    Power(Box<[Expr]>),
     /// `- - not a`: the operators from the left, at least one.
     Unary {
         /// The operators.
-        ops: Vec<UnaryOp>,
+        ops: Box<[UnaryOp]>,
         /// What they act on.
         operand: Box<Expr>,
     },
@@ -470,12 +474,12 @@ pub enum ExprKind {
         /// The value.
         base: Box<Expr>,
         /// What follows it.
-        links: Vec<Link>,
+        links: Box<[Link]>,
     },
     /// `(a, b, c)`: two parts or more.
-    Vector(Vec<Expr>),
+    Vector(Box<[Expr]>),
     /// `[a, b, c]`
-    List(Vec<Expr>),
+    List(Box<[Expr]>),
     /// What could not be read.
     Error,
 }
@@ -488,7 +492,7 @@ pub enum Link {
     /// `.x`, `.leaf`
     Part(Name),
     /// `(a, b: c)`
-    Call(Vec<Arg>, Span),
+    Call(Box<[Arg]>, Span),
 }
 
 /// Operators before a value.

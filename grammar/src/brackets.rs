@@ -12,13 +12,14 @@ use crate::token::Token;
 use crate::{FileId, MAX_ERRORS, MAX_NESTING, Span};
 
 /// Balances the tokens of a text. `None` when they are.
-pub(crate) fn balance<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Vec<Finding>) -> Option<Vec<Placed<'a>>> {
+pub(crate) fn balance(file: FileId, text: &str, tokens: &[Placed], findings: &mut Vec<Finding>) -> Option<Vec<Placed>> {
     let segments = segments(tokens);
     if segments.iter().all(|it| Surplus::of(it).is_none()) {
         return None;
     }
     let mut repair = Repair {
         file,
+        text,
         findings,
         out: Vec::with_capacity(tokens.len() + 16),
         open: Vec::new(),
@@ -47,7 +48,7 @@ pub(crate) fn balance<'a>(file: FileId, tokens: &[Placed<'a>], findings: &mut Ve
 }
 
 /// Cuts the text where items begin.
-fn segments<'t, 'a>(tokens: &'t [Placed<'a>]) -> Vec<&'t [Placed<'a>]> {
+fn segments(tokens: &[Placed]) -> Vec<&[Placed]> {
     let mut segments = Vec::new();
     let mut begin = 0;
     for (at, pair) in tokens.windows(2).enumerate() {
@@ -72,7 +73,7 @@ enum Surplus {
 
 impl Surplus {
     /// `None` when the brackets are in order.
-    fn of(tokens: &[Placed<'_>]) -> Option<Self> {
+    fn of(tokens: &[Placed]) -> Option<Self> {
         let mut closers = Vec::new();
         let mut in_order = true;
         let mut braces = 0_i64;
@@ -102,7 +103,7 @@ struct Counts {
 }
 
 impl Counts {
-    fn of(&mut self, closer: Token<'_>) -> &mut usize {
+    fn of(&mut self, closer: Token) -> &mut usize {
         match closer {
             Token::CloseRound => &mut self.round,
             Token::CloseSquare => &mut self.square,
@@ -113,9 +114,9 @@ impl Counts {
 
 /// A bracket that waits for its partner.
 #[derive(Clone, Copy, Debug)]
-struct Open<'a> {
+struct Open {
     place: Span,
-    closer: Token<'a>,
+    closer: Token,
     /// Where it stands in the output.
     at: usize,
     /// The column where its line begins.
@@ -130,11 +131,12 @@ struct Open<'a> {
     gap: Option<u32>,
 }
 
-struct Repair<'a, 'f> {
+struct Repair<'f> {
     file: FileId,
+    text: &'f str,
     findings: &'f mut Vec<Finding>,
-    out: Vec<Placed<'a>>,
-    open: Vec<Open<'a>>,
+    out: Vec<Placed>,
+    open: Vec<Open>,
     /// How many brackets of each kind are open.
     counts: Counts,
     /// How many closing brackets may turn up whose partner had to be closed before.
@@ -148,18 +150,18 @@ struct Repair<'a, 'f> {
     separator: Option<usize>,
     /// Where the item begins, and its first word.
     item: u32,
-    kind: Option<Token<'a>>,
+    kind: Option<Token>,
     /// The first word of the member at hand.
-    member: Option<Token<'a>>,
+    member: Option<Token>,
     /// Where the last token stands that is no closing bracket.
     last_word: u32,
     /// Whether the token before was left out.
     just_dropped: bool,
 }
 
-impl<'a> Repair<'a, '_> {
+impl Repair<'_> {
     /// Reads an item.
-    fn segment(&mut self, tokens: &[Placed<'a>]) {
+    fn segment(&mut self, tokens: &[Placed]) {
         self.item = tokens.first().map_or(0, |it| it.start);
         self.kind = tokens.first().map(|it| it.token);
         let mut words = tokens.iter().filter(|it| !it.token.is_closer());
@@ -169,7 +171,7 @@ impl<'a> Repair<'a, '_> {
         while let [it, next @ ..] = rest {
             rest = next;
             if it.leads {
-                self.indent = it.start - it.line;
+                self.indent = self.column(it);
             }
             self.begin_member(it.token);
             match it.token {
@@ -184,15 +186,15 @@ impl<'a> Repair<'a, '_> {
     }
 
     /// Takes note of the first word of a member.
-    fn begin_member(&mut self, token: Token<'a>) {
+    fn begin_member(&mut self, token: Token) {
         let among_members = self.open.last().is_some_and(|it| it.holds_members);
-        let may_begin = |it: &Placed<'_>| matches!(it.token, Token::Semicolon | Token::OpenCurly | Token::CloseCurly);
+        let may_begin = |it: &Placed| matches!(it.token, Token::Semicolon | Token::OpenCurly | Token::CloseCurly);
         if among_members && self.out.last().is_some_and(may_begin) {
             self.member = Some(token);
         }
     }
 
-    fn brace(&mut self, it: &Placed<'a>) {
+    fn brace(&mut self, it: &Placed) {
         let is_system = matches!(self.kind, Some(Token::Csg | Token::Shape | Token::Hull));
         if is_system && self.open.first().is_some_and(|it| it.closer != Token::CloseCurly) {
             // The head of a system has no braces, so its parentheses end here.
@@ -214,7 +216,7 @@ impl<'a> Repair<'a, '_> {
         self.open(it, holds_members);
     }
 
-    fn open(&mut self, it: &Placed<'a>, holds_members: bool) {
+    fn open(&mut self, it: &Placed, holds_members: bool) {
         let Some(closer) = it.token.closer() else {
             return;
         };
@@ -231,7 +233,7 @@ impl<'a> Repair<'a, '_> {
         self.push(it);
     }
 
-    fn close(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
+    fn close(&mut self, it: &Placed, next: Option<&Placed>) {
         let fits = self.open.last().is_some_and(|open| open.closer == it.token);
         if !fits && *self.counts.of(it.token) == 0 {
             return self.drop_closer(it);
@@ -257,8 +259,8 @@ impl<'a> Repair<'a, '_> {
     }
 
     /// Closes what was opened on lines that are indented deeper than the one that `brace` seems to belong to.
-    fn close_deeper_than(&mut self, brace: &Placed<'a>) {
-        let column = brace.start - brace.line;
+    fn close_deeper_than(&mut self, brace: &Placed) {
+        let column = self.column(brace);
         let deeper = self.open.iter().rev().take(MAX_NESTING).take_while(|open| open.indent > column).count();
         let partner = self.open.len().checked_sub(deeper + 1).and_then(|at| self.open.get(at));
         if deeper > 0 && partner.is_some_and(|it| it.indent == column && it.closer == brace.token) {
@@ -269,7 +271,7 @@ impl<'a> Repair<'a, '_> {
         }
     }
 
-    fn semicolon(&mut self, it: &Placed<'a>, next: Option<&Placed<'a>>) {
+    fn semicolon(&mut self, it: &Placed, next: Option<&Placed>) {
         if self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
             self.unclosed();
             while self.open.last().is_some_and(|open| open.closer != Token::CloseCurly) {
@@ -290,7 +292,7 @@ impl<'a> Repair<'a, '_> {
         self.push(it);
     }
 
-    fn other(&mut self, it: &Placed<'a>) {
+    fn other(&mut self, it: &Placed) {
         let is_arrow = matches!(it.token, Token::Replace | Token::Append);
         let begins_member = it.token.begins_member() && !matches!(it.token, Token::Let | Token::Fn);
         if is_arrow || begins_member {
@@ -348,7 +350,16 @@ impl<'a> Repair<'a, '_> {
         (self.pending, self.separator, self.just_dropped) = (0, None, false);
     }
 
-    fn pop(&mut self) -> Option<Open<'a>> {
+    /// In which column of its line a token begins, in bytes.
+    fn column(&self, it: &Placed) -> u32 {
+        let before = self.text.get(..it.start as usize).unwrap_or_default();
+        let line = before.rsplit('\n').next().unwrap_or(before);
+        // A byte-order mark stands in no column.
+        let line = if line.len() == before.len() { line.trim_start_matches('\u{FEFF}') } else { line };
+        line.len() as u32
+    }
+
+    fn pop(&mut self) -> Option<Open> {
         let open = self.open.pop()?;
         *self.counts.of(open.closer) -= 1;
         Some(open)
@@ -356,17 +367,17 @@ impl<'a> Repair<'a, '_> {
 
     /// Takes note of where a value follows another one. Outside of arguments only numbers and texts show that: solids stand
     /// side by side.
-    fn watch_gap(&mut self, it: &Placed<'a>) {
-        let begins_value = matches!(it.token, Token::Name(_) | Token::Number(_) | Token::Text(_));
+    fn watch_gap(&mut self, it: &Placed) {
+        let begins_value = matches!(it.token, Token::Name | Token::Number | Token::Text);
         let (Some(open), Some(before)) = (self.open.last_mut(), self.out.last()) else { return };
-        let is_number = matches!(before.token, Token::Number(_) | Token::Text(_));
+        let is_number = matches!(before.token, Token::Number | Token::Text);
         let ends_it = is_number || open.is_call && before.token.ends_value();
         if begins_value && ends_it && open.closer != Token::CloseCurly {
             open.gap.get_or_insert(before.end);
         }
     }
 
-    fn push(&mut self, it: &Placed<'a>) {
+    fn push(&mut self, it: &Placed) {
         self.out.push(*it);
         self.just_dropped = false;
     }
@@ -387,7 +398,7 @@ impl<'a> Repair<'a, '_> {
     }
 
     /// Leaves out a closing bracket that has no partner.
-    fn drop_closer(&mut self, it: &Placed<'a>) {
+    fn drop_closer(&mut self, it: &Placed) {
         let forgiven = self.forgiven.of(it.token);
         if *forgiven > 0 {
             *forgiven -= 1;
@@ -417,7 +428,7 @@ impl<'a> Repair<'a, '_> {
     }
 }
 
-fn letter(closer: Token<'_>) -> char {
+fn letter(closer: Token) -> char {
     match closer {
         Token::CloseRound => ')',
         Token::CloseSquare => ']',

@@ -1,18 +1,22 @@
 //! What the grammar's actions need besides the tokens.
 
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use lalrpop_util::{ErrorRecovery, ParseError};
 
 use crate::ast::{BinaryOp, Expr, ExprKind, Solid, SolidKind, Term, TermKind, UnaryOp};
+use crate::text::unescape;
 use crate::token::Token;
+use crate::values::Values;
 use crate::{FileId, Span};
 
 /// A mistake as the parser met it.
-pub(crate) struct Mistake<'a> {
+pub(crate) struct Mistake {
     /// The token that has no place, with its place; `None` at the end of the file.
-    pub(crate) found: Option<(u32, Token<'a>, u32)>,
+    pub(crate) found: Option<(u32, Token, u32)>,
     /// The names of the tokens that have one.
     pub(crate) expected: Vec<String>,
     /// What the parser has left out to go on.
@@ -33,14 +37,18 @@ pub(crate) struct Context<'a> {
     file: FileId,
     /// For each token below a doc comment where it begins, in order, with the comment.
     docs: Vec<(u32, String)>,
+    /// What names, numbers and texts say.
+    values: &'a Values<'a>,
+    /// All names met so far.
+    names: HashSet<Arc<str>>,
     progress: &'a Progress,
     /// The mistakes met so far.
-    pub(crate) mistakes: Vec<Mistake<'a>>,
+    pub(crate) mistakes: Vec<Mistake>,
 }
 
 impl<'a> Context<'a> {
-    pub(crate) fn new(file: FileId, docs: Vec<(u32, String)>, progress: &'a Progress) -> Self {
-        Self { file, docs, progress, mistakes: Vec::new() }
+    pub(crate) fn new(file: FileId, docs: Vec<(u32, String)>, values: &'a Values<'a>, progress: &'a Progress) -> Self {
+        Self { file, docs, values, names: HashSet::new(), progress, mistakes: Vec::new() }
     }
 
     fn step(&self) {
@@ -51,6 +59,27 @@ impl<'a> Context<'a> {
     pub(crate) fn span(&self, start: u32, end: u32) -> Span {
         self.step();
         Span::new(self.file, start, end.max(start))
+    }
+
+    /// The name between two offsets.
+    pub(crate) fn name(&mut self, start: u32, end: u32) -> Arc<str> {
+        let text = self.values.name(start, end);
+        if let Some(name) = self.names.get(text) {
+            return Arc::clone(name);
+        }
+        let name: Arc<str> = text.into();
+        self.names.insert(Arc::clone(&name));
+        name
+    }
+
+    /// The number between two offsets.
+    pub(crate) fn number(&self, start: u32, end: u32) -> f64 {
+        self.values.number(start, end)
+    }
+
+    /// The quoted text between two offsets, escapes resolved.
+    pub(crate) fn text(&self, start: u32, end: u32) -> Arc<str> {
+        unescape(self.values.text(start, end)).into()
     }
 
     /// The doc comment above what begins at `start`.
@@ -64,12 +93,12 @@ impl<'a> Context<'a> {
     /// Takes note of a mistake from which the parser has recovered.
     ///
     /// It has left out the text from `start` to `end`.
-    pub(crate) fn mistake(&mut self, start: u32, recovery: ErrorRecovery<u32, Token<'a>, Infallible>, end: u32) {
+    pub(crate) fn mistake(&mut self, start: u32, recovery: ErrorRecovery<u32, Token, Infallible>, end: u32) {
         self.problem(recovery.error, (start, end));
     }
 
     /// Takes note of a mistake.
-    pub(crate) fn problem(&mut self, error: ParseError<u32, Token<'a>, Infallible>, lost: (u32, u32)) {
+    pub(crate) fn problem(&mut self, error: ParseError<u32, Token, Infallible>, lost: (u32, u32)) {
         let (found, expected) = match error {
             ParseError::UnrecognizedToken { token, expected } => (Some(token), expected),
             ParseError::ExtraToken { token } => (Some(token), Vec::new()),
@@ -101,18 +130,18 @@ impl<'a> Context<'a> {
 
     /// Operators before a value.
     pub(crate) fn unary(&self, start: u32, ops: Vec<UnaryOp>, operand: Expr, end: u32) -> Expr {
-        Expr { span: self.span(start, end), kind: ExprKind::Unary { ops, operand: Box::new(operand) } }
+        Expr { span: self.span(start, end), kind: ExprKind::Unary { ops: ops.into(), operand: Box::new(operand) } }
     }
 
     /// Operators of one level between values.
     pub(crate) fn binary(&self, start: u32, (first, rest): Operands, end: u32) -> Expr {
-        Expr { span: self.span(start, end), kind: ExprKind::Binary { first: Box::new(first), rest } }
+        Expr { span: self.span(start, end), kind: ExprKind::Binary { first: Box::new(first), rest: rest.into() } }
     }
 
     /// `a ^ b ^ c`
     pub(crate) fn power(&self, start: u32, mut bases: Vec<Expr>, last: Expr, end: u32) -> Expr {
         bases.push(last);
-        Expr { span: self.span(start, end), kind: ExprKind::Power(bases) }
+        Expr { span: self.span(start, end), kind: ExprKind::Power(bases.into()) }
     }
 }
 

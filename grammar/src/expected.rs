@@ -6,7 +6,7 @@ use crate::token::Token;
 /// What is known at a mistake.
 pub(crate) struct Situation<'t> {
     /// The token in the text that has no place; `None` at its end.
-    pub(crate) found: Option<Token<'t>>,
+    pub(crate) found: Option<Token>,
     /// `found` as it is written.
     pub(crate) written: Option<&'t str>,
     /// Whether `found` leads its line.
@@ -14,7 +14,9 @@ pub(crate) struct Situation<'t> {
     /// Whether `found` stands in the way itself, rather than a statement that ends before it too early.
     pub(crate) is_in_the_way: bool,
     /// The token before.
-    pub(crate) before: Option<Token<'t>>,
+    pub(crate) before: Option<Token>,
+    /// What it says, if it is a name.
+    pub(crate) name: Option<&'t str>,
     /// The names of the tokens that the grammar has a place for, as LALRPOP gives them.
     pub(crate) expected: &'t [String],
 }
@@ -56,7 +58,7 @@ fn special_kind(situation: &Situation<'_>, expected: &Expected<'_>) -> Option<Sy
     if expected.has(",") && follows_value && begins_value(found) {
         return Some(SyntaxErrorKind::MissingComma);
     }
-    if let (Token::Number(_), Some(Token::Name(name))) = (found, situation.before)
+    if let (Token::Number, Some(name)) = (found, situation.name)
         && expected.has("repeat")
     {
         return Some(SyntaxErrorKind::BareArgument { name: name.to_owned() });
@@ -67,26 +69,20 @@ fn special_kind(situation: &Situation<'_>, expected: &Expected<'_>) -> Option<Sy
     None
 }
 
-fn is_comparison(token: Token<'_>) -> bool {
+fn is_comparison(token: Token) -> bool {
     use Token::{Equal, Greater, GreaterEqual, Less, LessEqual, NotEqual};
     matches!(token, Equal | NotEqual | Less | LessEqual | Greater | GreaterEqual)
 }
 
-fn begins_value(token: Token<'_>) -> bool {
+fn begins_value(token: Token) -> bool {
     matches!(
         token,
-        Token::Name(_)
-            | Token::Number(_)
-            | Token::Text(_)
-            | Token::True
-            | Token::False
-            | Token::OpenRound
-            | Token::OpenSquare
+        Token::Name | Token::Number | Token::Text | Token::True | Token::False | Token::OpenRound | Token::OpenSquare
     )
 }
 
-fn begins_solid(token: Token<'_>) -> bool {
-    matches!(token, Token::Name(_) | Token::OpenRound | Token::OpenSquare | Token::OpenCurly | Token::Repeat)
+fn begins_solid(token: Token) -> bool {
+    matches!(token, Token::Name | Token::OpenRound | Token::OpenSquare | Token::OpenCurly | Token::Repeat)
 }
 
 /// The tokens that the grammar has a place for.

@@ -7,17 +7,16 @@ use logos::Logos;
 
 use crate::ast::Comment;
 use crate::error::{NumberProblem, SyntaxError, SyntaxErrorKind};
-use crate::token::Token;
+use crate::token::{Token, twin};
+use crate::values::{Value, Values};
 use crate::{FileId, MAX_ERRORS, MAX_NAME_BYTES, MAX_TEXT_BYTES, Span, Twin, foreign, text};
 
-/// A token with its place.
+/// A token with its place. There may be millions of them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed<'a> {
-    pub(crate) token: Token<'a>,
+pub(crate) struct Placed {
+    pub(crate) token: Token,
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Where its line begins.
-    pub(crate) line: u32,
     /// Whether it is the first of its line.
     pub(crate) leads: bool,
 }
@@ -25,7 +24,9 @@ pub(crate) struct Placed<'a> {
 /// What is found in a text.
 #[derive(Debug)]
 pub(crate) struct Lexed<'a> {
-    pub(crate) tokens: Vec<Placed<'a>>,
+    pub(crate) tokens: Vec<Placed>,
+    /// What those say that are no signs.
+    pub(crate) values: Values<'a>,
     pub(crate) comments: Vec<Comment>,
     /// For each token below a doc comment where it begins, and the comment without its marks.
     pub(crate) docs: Vec<(u32, String)>,
@@ -46,10 +47,10 @@ pub(crate) fn lex(file: FileId, text: &str) -> Lexed<'_> {
         skipped,
         logos: Token::lexer(text.get(skipped..).unwrap_or_default()),
         pending_doc: String::new(),
-        line: skipped,
         seen: skipped,
         found: Lexed {
             tokens: Vec::new(),
+            values: Values::of(text),
             comments: Vec::new(),
             docs: Vec::new(),
             errors: Vec::new(),
@@ -66,11 +67,9 @@ struct Reader<'a> {
     text: &'a str,
     /// The length of the byte-order mark, which `logos` does not see.
     skipped: usize,
-    logos: logos::Lexer<'a, Token<'a>>,
+    logos: logos::Lexer<'a, Token>,
     /// The doc comments since the last token.
     pending_doc: String,
-    /// Where the line at hand begins.
-    line: usize,
     /// How far lines have been counted.
     seen: usize,
     found: Lexed<'a>,
@@ -81,15 +80,11 @@ impl<'a> Reader<'a> {
         while let Some(token) = self.logos.next() {
             let (start, end) = self.place();
             match token {
-                Ok(Token::Name(name)) if name.len() > MAX_NAME_BYTES => {
+                Ok(Token::Name) if end - start > MAX_NAME_BYTES => {
                     self.error(start, start + 1, SyntaxErrorKind::NameTooLong);
                     // One byte more than a name may have, so that nobody takes it for a name of the program.
                     let head = self.slice(start, start + MAX_NAME_BYTES + 1);
-                    self.push(Token::Name(head), start, end);
-                }
-                Ok(Token::Text(raw)) if raw.len() > MAX_TEXT_BYTES => {
-                    self.error(start, start + 1, SyntaxErrorKind::TextTooLong);
-                    self.push(Token::Text(""), start, end);
+                    self.push_value(Value::Name(head), start, end);
                 }
                 Ok(Token::LineComment) => self.comment(start, end),
                 Ok(Token::BlockComment(ended)) => {
@@ -98,11 +93,12 @@ impl<'a> Reader<'a> {
                         self.unterminated_comment(start);
                     }
                 }
-                Ok(Token::Number(value)) => self.number(value, start, end),
-                Ok(Token::Text(raw)) => self.quoted(raw, start, end),
-                Ok(Token::Foreign(twin)) => {
-                    let found = self.slice(start, end).to_owned();
-                    self.error(start, end, SyntaxErrorKind::ForeignOperator { found, twin });
+                Ok(Token::Number) => self.number(start, end),
+                Ok(Token::Text) => self.quoted(start, end),
+                Ok(Token::Foreign) => {
+                    let found = self.slice(start, end);
+                    let twin = twin(found);
+                    self.error(start, end, SyntaxErrorKind::ForeignOperator { found: found.to_owned(), twin });
                     if twin == "->" {
                         // `=>` could be `>=` as well.
                         self.found.doubtful.push(start as u32);
@@ -134,24 +130,35 @@ impl<'a> Reader<'a> {
         self.found.errors.push(SyntaxError { span, kind });
     }
 
-    fn push(&mut self, token: Token<'a>, start: usize, end: usize) {
+    fn push(&mut self, token: Token, start: usize, end: usize) {
         let gap = self.slice(self.seen, start);
         let leads = self.found.tokens.is_empty() || gap.contains('\n');
-        if let Some(at) = gap.rfind('\n') {
-            self.line = self.seen + at + 1;
-        }
         self.seen = end;
         if !self.pending_doc.is_empty() {
             self.found.docs.push((start as u32, std::mem::take(&mut self.pending_doc)));
         }
-        let (start, end, line) = (start as u32, end as u32, self.line as u32);
-        self.found.tokens.push(Placed { token, start, end, line, leads });
+        self.found.tokens.push(Placed { token, start: start as u32, end: end as u32, leads });
+    }
+
+    /// Adds a token that says something else than is written.
+    fn push_value(&mut self, value: Value<'a>, start: usize, end: usize) {
+        let token = match value {
+            Value::Name(_) => Token::Name,
+            Value::Number(_) => Token::Number,
+            Value::Text(_) => Token::Text,
+        };
+        self.push(token, start, end);
+        self.found.values.mean(start as u32, value);
     }
 
     /// Puts the tokens of `twin` where something else stands for it.
     fn push_twin(&mut self, twin: &'static str, start: usize, end: usize) {
-        for token in Token::lexer(twin) {
-            self.push(token.unwrap_or(Token::Bad), start, end);
+        let mut words = Token::lexer(twin);
+        while let Some(token) = words.next() {
+            match token {
+                Ok(Token::Name) => self.push_value(Value::Name(words.slice()), start, end),
+                token => self.push(token.unwrap_or(Token::Bad), start, end),
+            }
         }
     }
 
@@ -189,8 +196,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn quoted(&mut self, raw: &'a str, start: usize, end: usize) {
-        if end - start < raw.len() + 2 {
+    fn quoted(&mut self, start: usize, end: usize) {
+        let (raw, is_closed) = text::inside(self.slice(start + 1, end));
+        if raw.len() > MAX_TEXT_BYTES {
+            self.error(start, start + 1, SyntaxErrorKind::TextTooLong);
+            return self.push_value(Value::Text(""), start, end);
+        }
+        if !is_closed {
             self.error(start, start + 1, SyntaxErrorKind::UnterminatedText);
             self.found.doubtful.push(start as u32);
         }
@@ -199,10 +211,11 @@ impl<'a> Reader<'a> {
             self.error(at, at + length, SyntaxErrorKind::BadEscape);
         }
         self.hidden_characters(start, end);
-        self.push(Token::Text(raw), start, end);
+        self.push(Token::Text, start, end);
     }
 
-    fn number(&mut self, value: f64, start: usize, end: usize) {
+    fn number(&mut self, start: usize, end: usize) {
+        let value = self.slice(start, end).parse().unwrap_or(f64::INFINITY);
         let junk = junk_after_number(self.logos.remainder());
         self.logos.bump(junk.len());
         if !junk.is_empty() {
@@ -214,9 +227,11 @@ impl<'a> Reader<'a> {
             self.error(start, end + junk.len(), SyntaxErrorKind::BadNumber(problem));
         } else if value.is_infinite() {
             self.error(start, end, SyntaxErrorKind::BadNumber(NumberProblem::TooLarge));
+        } else {
+            return self.push(Token::Number, start, end);
         }
         let value = if value.is_finite() { value } else { f64::MAX };
-        self.push(Token::Number(value), start, end + junk.len());
+        self.push_value(Value::Number(value), start, end + junk.len());
     }
 
     /// Reports the character at `start`, which no token begins with, and goes on with what was probably meant.
@@ -282,7 +297,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The token that ends at `start`.
-    fn before(&self, start: usize) -> Option<Placed<'a>> {
+    fn before(&self, start: usize) -> Option<Placed> {
         self.found.tokens.last().copied().filter(|it| it.end as usize == start)
     }
 
@@ -296,18 +311,19 @@ impl<'a> Reader<'a> {
         let Some(found) = self.slice(start, start + length).chars().next() else { return };
         let end = start + length;
         self.logos.bump(length - found.len_utf8());
-        let head = self.before(start).filter(|it| matches!(it.token, Token::Number(_)));
+        let head = self.before(start).filter(|it| matches!(it.token, Token::Number));
         let head_digits = head.map_or("", |it| self.slice(it.start as usize, start));
         let value = format!("{head_digits}{number}").parse().ok().filter(|it: &f64| it.is_finite());
-        let value = Token::Number(value.unwrap_or(f64::MAX));
+        let value = Value::Number(value.unwrap_or(f64::MAX));
         let twin = (length <= MAX_NAME_BYTES).then(|| Twin::sure(number));
         self.foreign(start, end, found, twin);
         match self.found.tokens.last_mut() {
             Some(last) if head.is_some() => {
-                (last.token, last.end) = (value, end as u32);
+                last.end = end as u32;
+                self.found.values.mean(last.start, value);
                 self.seen = end;
             }
-            _ => self.push(value, start, end),
+            _ => self.push_value(value, start, end),
         }
     }
 
@@ -327,7 +343,7 @@ impl<'a> Reader<'a> {
         if exponent.starts_with('-') {
             self.push(Token::Minus, start, end);
         }
-        self.push(Token::Number(value.map_or(1.0, f64::abs)), start, end);
+        self.push_value(Value::Number(value.map_or(1.0, f64::abs)), start, end);
     }
 
     /// A word with a foreign letter in it is a name, together with the letters before and after.
@@ -351,13 +367,13 @@ impl<'a> Reader<'a> {
         let head = self.before(start).map(|it| it.start as usize).filter(|_| self.touches_word(start));
         match head {
             Some(at) => {
-                let name = Token::Name(self.slice(at, end));
                 if let Some(last) = self.found.tokens.last_mut() {
-                    (last.token, last.end) = (name, end as u32);
+                    (last.token, last.end) = (Token::Name, end as u32);
                 }
+                self.found.values.mean(at as u32, Value::Name(self.slice(at, end)));
                 self.seen = end;
             }
-            None => self.push(Token::Name(self.slice(start, end)), start, end),
+            None => self.push(Token::Name, start, end),
         }
     }
 
@@ -367,7 +383,7 @@ impl<'a> Reader<'a> {
         self.logos.bump(at + mark);
         let twin = Twin { text: "\"".to_owned(), is_sure: false };
         self.foreign(start, first, found, Some(twin));
-        self.push(Token::Text(self.slice(first, first + at)), start, first + at + mark);
+        self.push_value(Value::Text(self.slice(first, first + at)), start, first + at + mark);
     }
 }
 

@@ -20,6 +20,7 @@ mod stretches;
 mod text;
 mod token;
 mod unread;
+mod values;
 mod verdict;
 
 pub use error::{NumberProblem, SyntaxError, SyntaxErrorKind};

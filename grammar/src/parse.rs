@@ -36,18 +36,19 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         return Parsed { file: ast::File::default(), errors, unread };
     }
     let mut lexed = lex(file, text);
+    let comments = std::mem::take(&mut lexed.comments);
     let mut findings = Vec::new();
-    let balanced = balance(file, &lexed.tokens, &mut findings);
+    let balanced = balance(file, text, &lexed.tokens, &mut findings);
     let statements = mark(file, balanced.as_ref().unwrap_or(&lexed.tokens), &mut findings);
 
     let progress = Progress::default();
-    let mut context = Context::new(file, std::mem::take(&mut lexed.docs), &progress);
+    let docs = std::mem::take(&mut lexed.docs);
+    let mut context = Context::new(file, docs, &lexed.values, &progress);
     let stream = Stream::new(statements.tokens(), &progress);
     let items = grammar::FileParser::new().parse(&mut context, stream).unwrap_or_else(|error| {
         context.problem(error, (0, 0));
         Vec::new()
     });
-    let comments = std::mem::take(&mut lexed.comments);
     let verdict = Verdict::new(file, text, &lexed, &statements, &findings, &context.mistakes);
     let (lexed, statements, mistakes) = (&lexed, &statements, &context.mistakes);
     let places = Places { lexed, statements, findings: &findings, mistakes };
@@ -85,7 +86,7 @@ struct Stream<'t, I> {
     cost: usize,
 }
 
-impl<'t, 'a, I: Iterator<Item = Read<'a>>> Stream<'t, I> {
+impl<'t, I: Iterator<Item = Read>> Stream<'t, I> {
     /// So many tokens in a row do not make a piece in a text without mistakes.
     const MOST_IDLE: usize = 16;
     /// Some tenths of a second.
@@ -96,7 +97,7 @@ impl<'t, 'a, I: Iterator<Item = Read<'a>>> Stream<'t, I> {
     }
 
     /// Takes note of a token that is handed out.
-    fn watch(&mut self, token: Token<'a>) {
+    fn watch(&mut self, token: Token) {
         let opens = token == Token::OpenBlock || token.closer().is_some();
         if opens {
             self.depth += 1;
@@ -115,8 +116,8 @@ impl<'t, 'a, I: Iterator<Item = Read<'a>>> Stream<'t, I> {
     }
 }
 
-impl<'a, I: Iterator<Item = Read<'a>>> Iterator for Stream<'_, I> {
-    type Item = Result<Read<'a>, Infallible>;
+impl<I: Iterator<Item = Read>> Iterator for Stream<'_, I> {
+    type Item = Result<Read, Infallible>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.progress.mistakes.get() >= MAX_ERRORS {

@@ -24,29 +24,29 @@ pub(crate) struct Finding {
 
 /// What the parser gets to read.
 #[derive(Debug)]
-pub(crate) struct Statements<'t, 'a> {
+pub(crate) struct Statements<'t> {
     /// What the text has.
-    text: &'t [Placed<'a>],
+    text: &'t [Placed],
     /// What is read, in order: numbers of what the text has, or from [`ADDED`] on of what is added. There may be millions of them.
     order: Vec<u32>,
-    added: Vec<Read<'a>>,
+    added: Vec<Read>,
     /// Where statements end, in order.
     pub(crate) ends: Vec<u32>,
 }
 
 /// A token between where it begins and where it ends.
-pub(crate) type Read<'a> = (u32, Token<'a>, u32);
+pub(crate) type Read = (u32, Token, u32);
 
 /// The number of the first token that is added; a text has fewer bytes.
 const ADDED: u32 = 1 << 31;
 
-impl<'a> Statements<'_, 'a> {
+impl Statements<'_> {
     /// The tokens that are read.
-    pub(crate) fn tokens(&self) -> impl Iterator<Item = Read<'a>> {
+    pub(crate) fn tokens(&self) -> impl Iterator<Item = Read> {
         self.order.iter().filter_map(|it| self.token(*it))
     }
 
-    fn token(&self, number: u32) -> Option<Read<'a>> {
+    fn token(&self, number: u32) -> Option<Read> {
         match number.checked_sub(ADDED) {
             None => self.text.get(number as usize).map(|it| (it.start, it.token, it.end)),
             Some(added) => self.added.get(added as usize).copied(),
@@ -67,7 +67,7 @@ impl<'a> Statements<'_, 'a> {
 }
 
 /// Adds the marks to `tokens`.
-pub(crate) fn mark<'t, 'a>(file: FileId, tokens: &'t [Placed<'a>], findings: &mut Vec<Finding>) -> Statements<'t, 'a> {
+pub(crate) fn mark<'t>(file: FileId, tokens: &'t [Placed], findings: &mut Vec<Finding>) -> Statements<'t> {
     let mut marker = Marker {
         file,
         findings,
@@ -108,10 +108,10 @@ enum Block {
 
 /// An open bracket, and the statement at hand in it.
 #[derive(Debug)]
-struct Level<'a> {
+struct Level {
     block: Block,
     /// The first token of the statement; `None` between statements.
-    first: Option<Token<'a>>,
+    first: Option<Token>,
     /// Where in the output the last name stands that leads a line and continues nothing.
     fresh: Option<usize>,
     /// How many `if`s wait for their `else`.
@@ -120,7 +120,7 @@ struct Level<'a> {
     signs: usize,
 }
 
-impl Level<'_> {
+impl Level {
     fn new(block: Block) -> Self {
         Self { block, first: None, fresh: None, ifs: 0, signs: 0 }
     }
@@ -150,22 +150,22 @@ impl Level<'_> {
     }
 }
 
-struct Marker<'t, 'a, 'f> {
+struct Marker<'t, 'f> {
     file: FileId,
     findings: &'f mut Vec<Finding>,
-    out: Statements<'t, 'a>,
+    out: Statements<'t>,
     /// The number of the token at hand.
     number: u32,
-    levels: Vec<Level<'a>>,
+    levels: Vec<Level>,
     /// How deep the token at hand is nested.
     height: usize,
     /// Which level's statement is left out from here on, since it is nested too deep.
     muted: Option<usize>,
-    last: Option<Placed<'a>>,
+    last: Option<Placed>,
 }
 
-impl<'a> Marker<'_, 'a, '_> {
-    fn read(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
+impl Marker<'_, '_> {
+    fn read(&mut self, token: &Placed, rest: &[Placed]) {
         if self.begins_statement(token, rest) {
             self.close_statement();
         }
@@ -182,7 +182,7 @@ impl<'a> Marker<'_, 'a, '_> {
     }
 
     /// Whether a statement begins here, no matter whether the one before has its end.
-    fn begins_statement(&self, placed: &Placed<'a>, rest: &[Placed<'a>]) -> bool {
+    fn begins_statement(&self, placed: &Placed, rest: &[Placed]) -> bool {
         let Some(level) = self.levels.last().filter(|it| it.first.is_some()) else {
             return false;
         };
@@ -207,13 +207,13 @@ impl<'a> Marker<'_, 'a, '_> {
     }
 
     /// Whether a reserved word at hand was meant as a name.
-    fn stands_for_name(&self, next: Option<Token<'a>>) -> bool {
+    fn stands_for_name(&self, next: Option<Token>) -> bool {
         let needs_name = self.last.is_some_and(|it| it.token.reserved_word().is_some() && !it.token.ends_value());
         needs_name || next == Some(Token::Assign)
     }
 
     /// Where `name:` follows a value without a comma, one is put in: nothing else begins like this.
-    fn missing_comma(&mut self, token: &Placed<'a>, rest: &[Placed<'a>]) {
+    fn missing_comma(&mut self, token: &Placed, rest: &[Placed]) {
         let begins_part = token.token.is_name() && rest.first().is_some_and(|it| it.token == Token::Colon);
         let in_brackets = self.levels.last().is_some_and(|it| !it.holds_statements());
         let Some(last) = self.last.filter(|it| begins_part && in_brackets && it.token.ends_value()) else {
@@ -223,7 +223,7 @@ impl<'a> Marker<'_, 'a, '_> {
         self.report(last.end, last.end, SyntaxErrorKind::MissingComma, None);
     }
 
-    fn open(&mut self, token: &Placed<'a>) {
+    fn open(&mut self, token: &Placed) {
         let is_brace = token.token == Token::OpenCurly;
         let statement = self.levels.last().filter(|it| is_brace && it.ends_with_brace());
         let block = statement.map_or(Block::Other, Level::block_of_brace);
@@ -237,7 +237,7 @@ impl<'a> Marker<'_, 'a, '_> {
         self.check_nesting(token);
     }
 
-    fn close(&mut self, token: &Placed<'a>) {
+    fn close(&mut self, token: &Placed) {
         self.close_statement();
         if self.levels.len() > 1
             && let Some(level) = self.levels.pop()
@@ -252,7 +252,7 @@ impl<'a> Marker<'_, 'a, '_> {
         }
     }
 
-    fn semicolon(&mut self, token: &Placed<'a>) {
+    fn semicolon(&mut self, token: &Placed) {
         self.push(token);
         if self.levels.last().is_some_and(Level::holds_statements) {
             self.end_statement(token.end);
@@ -261,7 +261,7 @@ impl<'a> Marker<'_, 'a, '_> {
 
     /// A name that leads a line and continues nothing begins the rule that an arrow belongs to: before it a `;` is
     /// missing.
-    fn arrow(&mut self, token: &Placed<'a>) {
+    fn arrow(&mut self, token: &Placed) {
         let level = self.levels.last_mut().filter(|it| it.holds_statements());
         if let Some(at) = level.and_then(|it| it.fresh.take()) {
             self.split(at);
@@ -300,7 +300,7 @@ impl<'a> Marker<'_, 'a, '_> {
     }
 
     /// Puts in a `;` after `before`, unless more is missing than that.
-    fn missing_semicolon(&mut self, before: Token<'a>, end: u32) {
+    fn missing_semicolon(&mut self, before: Token, end: u32) {
         if before.ends_value() {
             self.insert(Token::Semicolon, end);
             self.report(end, end, SyntaxErrorKind::MissingSemicolon, None);
@@ -327,12 +327,12 @@ impl<'a> Marker<'_, 'a, '_> {
         }
     }
 
-    fn push(&mut self, token: &Placed<'a>) {
+    fn push(&mut self, token: &Placed) {
         self.push_as(token, Some(self.number));
     }
 
     /// Adds the token at hand: by its number, or as another one.
-    fn push_as(&mut self, token: &Placed<'a>, number: Option<u32>) {
+    fn push_as(&mut self, token: &Placed, number: Option<u32>) {
         let at = self.out.order.len();
         let continues = !self.last.is_some_and(|it| it.token.ends_value());
         if let Some(level) = self.levels.last_mut() {
@@ -350,20 +350,20 @@ impl<'a> Marker<'_, 'a, '_> {
         }
     }
 
-    fn add(&mut self, token: Read<'a>) {
+    fn add(&mut self, token: Read) {
         self.out.order.push(ADDED + self.out.added.len() as u32);
         self.out.added.push(token);
     }
 
     /// Adds a token that is not in the text.
-    fn insert(&mut self, token: Token<'a>, at: u32) {
+    fn insert(&mut self, token: Token, at: u32) {
         if self.muted.is_none() {
             self.add((at, token, at));
         }
     }
 
     /// Counts what nests without brackets: `if if if a then ...` and `2 ^ -2 ^ -2`.
-    fn count_nesting(&mut self, token: &Placed<'a>) {
+    fn count_nesting(&mut self, token: &Placed) {
         let last = self.last.map(|it| it.token);
         let Some(level) = self.levels.last_mut() else {
             return;
@@ -380,7 +380,7 @@ impl<'a> Marker<'_, 'a, '_> {
         }
         let keeps_signs = matches!(
             token.token,
-            Token::Caret | Token::Dot | Token::Name(_) | Token::Number(_) | Token::Text(_) | Token::True | Token::False
+            Token::Caret | Token::Dot | Token::Name | Token::Number | Token::Text | Token::True | Token::False
         );
         let is_bracket = token.token.closer().is_some() || token.token.is_closer();
         let is_sign = token.token == Token::Minus && matches!(last, Some(Token::Caret | Token::Minus));
@@ -392,7 +392,7 @@ impl<'a> Marker<'_, 'a, '_> {
     }
 
     /// Leaves out the rest of the statement when it is nested too deep.
-    fn check_nesting(&mut self, token: &Placed<'a>) {
+    fn check_nesting(&mut self, token: &Placed) {
         if self.height <= MAX_NESTING || self.muted.is_some() {
             return;
         }

@@ -40,7 +40,7 @@ pub(crate) struct Groups(Vec<(u32, usize)>);
 const OUTSIDE: usize = usize::MAX;
 
 impl Groups {
-    pub(crate) fn of(statements: &Statements<'_, '_>) -> Self {
+    pub(crate) fn of(statements: &Statements<'_>) -> Self {
         let mut open = Vec::new();
         let mut groups = Vec::new();
         for (number, (_, token, end)) in statements.tokens().enumerate() {

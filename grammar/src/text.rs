@@ -1,4 +1,18 @@
-//! Escapes in quoted texts.
+//! Quoted texts, and escapes in them.
+
+/// What stands between the quotes of a text, of which `rest` begins behind the first; it ends with its line if it is not closed. And
+/// whether it is closed.
+pub(crate) fn inside(rest: &str) -> (&str, bool) {
+    let mut escaped = false;
+    for (at, byte) in rest.bytes().enumerate() {
+        match byte {
+            b'\n' => return (rest[..at].trim_end_matches('\r'), false),
+            b'"' if !escaped => return (&rest[..at], true),
+            _ => escaped = byte == b'\\' && !escaped,
+        }
+    }
+    (rest, false)
+}
 
 /// What a backslash and the character after it stand for.
 fn escaped(letter: char) -> Option<char> {

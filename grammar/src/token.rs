@@ -2,19 +2,21 @@
 
 use logos::Logos;
 
-/// A word or a sign.
+use crate::text;
+
+/// A word or a sign. What names, numbers and texts say is read where they stand: see [`Values`](crate::values::Values).
 ///
 /// The last few variants are never written by anybody: [`crate::statements`] adds them to guide the parser.
-#[derive(Clone, Copy, Debug, Logos, PartialEq)]
+#[derive(Clone, Copy, Debug, Logos, PartialEq, Eq)]
 #[logos(skip r"([ \t\n]|\r\n)+")]
-pub(crate) enum Token<'a> {
-    #[regex(r"[A-Za-z_][A-Za-z0-9_]*", |lex| lex.slice())]
-    Name(&'a str),
-    #[regex(r"([0-9]+(\.[0-9]+)?|\.[0-9]+)([eE][+-]?[0-9]+)?", |lex| lex.slice().parse().ok())]
-    Number(f64),
-    /// What stands between the quotes, escapes and all.
-    #[token("\"", text)]
-    Text(&'a str),
+pub(crate) enum Token {
+    #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
+    Name,
+    #[regex(r"([0-9]+(\.[0-9]+)?|\.[0-9]+)([eE][+-]?[0-9]+)?")]
+    Number,
+    /// A quoted text.
+    #[token("\"", quoted)]
+    Text,
 
     #[token("use")]
     Use,
@@ -151,13 +153,13 @@ pub(crate) enum Token<'a> {
     /// A comment between marks; says whether it has its end.
     #[token("/*", block_comment)]
     BlockComment(bool),
-    /// A sign of other languages, and what does the same here.
-    #[token("&&", |_| "and")]
-    #[token("||", |_| "or")]
-    #[token("!", |_| "not")]
-    #[token("**", |_| "^")]
-    #[token("=>", |_| "->")]
-    Foreign(Twin),
+    /// A sign of other languages: see [`twin`].
+    #[token("&&")]
+    #[token("||")]
+    #[token("!")]
+    #[token("**")]
+    #[token("=>")]
+    Foreign,
 
     /// The `{` that opens what a statement ends with (`statements` tells it from the others).
     OpenBlock,
@@ -170,39 +172,31 @@ pub(crate) enum Token<'a> {
 }
 
 /// What does here what a sign of another language does there.
-type Twin = &'static str;
+pub(crate) fn twin(sign: &str) -> &'static str {
+    match sign {
+        "&&" => "and",
+        "||" => "or",
+        "!" => "not",
+        "**" => "^",
+        _ => "->",
+    }
+}
 
 /// Takes a text up to its closing quote, or up to the end of the line when it has none.
-fn text<'a>(lex: &mut logos::Lexer<'a, Token<'a>>) -> &'a str {
-    let rest = lex.remainder();
-    let mut escaped = false;
-    for (at, byte) in rest.bytes().enumerate() {
-        match byte {
-            b'\n' => {
-                let line = rest[..at].trim_end_matches('\r');
-                lex.bump(line.len());
-                return line;
-            }
-            b'"' if !escaped => {
-                lex.bump(at + 1);
-                return &rest[..at];
-            }
-            _ => escaped = byte == b'\\' && !escaped,
-        }
-    }
-    lex.bump(rest.len());
-    rest
+fn quoted(lex: &mut logos::Lexer<'_, Token>) {
+    let (text, is_closed) = text::inside(lex.remainder());
+    lex.bump(text.len() + usize::from(is_closed));
 }
 
 /// Takes a comment up to the end of the line.
-fn line_comment<'a>(lex: &mut logos::Lexer<'a, Token<'a>>) {
+fn line_comment(lex: &mut logos::Lexer<'_, Token>) {
     let rest = lex.remainder();
     let line = rest.split('\n').next().unwrap_or(rest);
     lex.bump(line.trim_end_matches('\r').len());
 }
 
 /// Takes a comment up to the mark that ends it, over the comments within, or up to the end of the file.
-fn block_comment<'a>(lex: &mut logos::Lexer<'a, Token<'a>>) -> bool {
+fn block_comment(lex: &mut logos::Lexer<'_, Token>) -> bool {
     let rest = lex.remainder();
     let bytes = rest.as_bytes();
     let mut depth = 1_usize;
@@ -222,7 +216,7 @@ fn block_comment<'a>(lex: &mut logos::Lexer<'a, Token<'a>>) -> bool {
     false
 }
 
-impl Token<'_> {
+impl Token {
     /// The bracket that closes this one.
     pub(crate) fn closer(self) -> Option<Self> {
         match self {
@@ -240,13 +234,13 @@ impl Token<'_> {
 
     /// Whether a value or a solid may end with this.
     pub(crate) fn ends_value(self) -> bool {
-        matches!(self, Self::Name(_) | Self::Number(_) | Self::Text(_) | Self::True | Self::False | Self::Bad)
+        matches!(self, Self::Name | Self::Number | Self::Text | Self::True | Self::False | Self::Bad)
             || self.is_closer()
     }
 
     /// Whether this is a name.
     pub(crate) fn is_name(self) -> bool {
-        matches!(self, Self::Name(_))
+        matches!(self, Self::Name)
     }
 
     /// Whether this begins a member of a system, wherever it stands (`let` and `fn` are found elsewhere too).
@@ -270,10 +264,10 @@ impl Token<'_> {
     pub(crate) fn begins_item(self, next: Option<Self>) -> bool {
         match self {
             Self::Csg | Self::Shape | Self::Hull | Self::Material | Self::Texture | Self::Enum | Self::Param => {
-                matches!(next, Some(Self::Name(_)))
+                matches!(next, Some(Self::Name))
             }
             Self::Scene => next == Some(Self::OpenCurly),
-            Self::Use => matches!(next, Some(Self::Text(_))),
+            Self::Use => matches!(next, Some(Self::Text)),
             _ => false,
         }
     }

@@ -36,16 +36,16 @@ impl Unread {
 /// The places that a text could not be read at.
 pub(crate) struct Places<'t, 'a> {
     pub(crate) lexed: &'t Lexed<'a>,
-    pub(crate) statements: &'t Statements<'t, 'a>,
+    pub(crate) statements: &'t Statements<'t>,
     /// What the passes before the parser have found.
     pub(crate) findings: &'t [Finding],
     /// What the parser has stumbled over.
-    pub(crate) mistakes: &'t [Mistake<'a>],
+    pub(crate) mistakes: &'t [Mistake],
 }
 
-impl<'a> Places<'_, 'a> {
+impl Places<'_, '_> {
     /// What could not be read of a text of `length` bytes. `is_sign` says of a mistake that only a sign is wrong.
-    pub(crate) fn unread(&self, length: u32, is_sign: impl Fn(&Mistake<'a>) -> bool) -> Unread {
+    pub(crate) fn unread(&self, length: u32, is_sign: impl Fn(&Mistake) -> bool) -> Unread {
         let mut pieces: Vec<(u32, u32)> = self.lexed.doubtful.iter().map(|&it| self.around(it, it)).collect();
         pieces.extend(self.lexed.cut.map(|it| (self.statements.end_before(it), length)));
         let bracket = |it: &Finding| {
@@ -79,7 +79,7 @@ impl<'a> Places<'_, 'a> {
         };
         let by_sign =
             |it: &Finding| it.error.kind == SyntaxErrorKind::MissingSemicolon && it.error.span.start >= last.1;
-        let by_parser = |it: &Mistake<'_>| it.found.is_none_or(|it| it.0 >= last.1);
+        let by_parser = |it: &Mistake| it.found.is_none_or(|it| it.0 >= last.1);
         self.lexed.cut.is_some()
             || self.findings.iter().any(|it| by_bracket(it) || by_sign(it))
             || self.mistakes.iter().any(by_parser)

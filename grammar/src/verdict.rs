@@ -15,7 +15,7 @@ pub(crate) struct Verdict<'t, 'a> {
     file: FileId,
     text: &'a str,
     lexed: &'t Lexed<'a>,
-    mistakes: &'t [Mistake<'a>],
+    mistakes: &'t [Mistake],
     /// Stretches in which what is found may be a consequence of what stands at their beginning.
     confused: Stretches,
     /// Those of them that the lexer found.
@@ -31,9 +31,9 @@ impl<'t, 'a> Verdict<'t, 'a> {
         file: FileId,
         text: &'a str,
         lexed: &'t Lexed<'a>,
-        statements: &'t Statements<'t, 'a>,
+        statements: &'t Statements<'t>,
         findings: &[Finding],
-        mistakes: &'t [Mistake<'a>],
+        mistakes: &'t [Mistake],
     ) -> Self {
         let unreadable = unreadable(lexed, statements);
         let mut confused = unreadable.clone();
@@ -68,7 +68,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
     }
 
     /// Whether a mistake of the parser is one sign for another, and what is around it is understood.
-    pub(crate) fn is_sign(&self, mistake: &Mistake<'a>) -> bool {
+    pub(crate) fn is_sign(&self, mistake: &Mistake) -> bool {
         use SyntaxErrorKind::{ChainedComparison, SingleEquals};
         self.tells_mistake(mistake) && matches!(self.error(mistake).kind, SingleEquals | ChainedComparison)
     }
@@ -91,7 +91,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
         self.lexed.cut.is_some() && is_open && finding.error.span.start >= last
     }
 
-    fn tells_mistake(&self, mistake: &Mistake<'_>) -> bool {
+    fn tells_mistake(&self, mistake: &Mistake) -> bool {
         // Of what is unreadable the lexer has spoken.
         let by_lexer = mistake.found.is_some_and(|(start, _, end)| {
             let at = self.lexed.errors.partition_point(|it| it.span.start < start);
@@ -100,11 +100,11 @@ impl<'t, 'a> Verdict<'t, 'a> {
         !by_lexer && !self.confused.hold(self.place(mistake))
     }
 
-    fn place(&self, mistake: &Mistake<'_>) -> u32 {
+    fn place(&self, mistake: &Mistake) -> u32 {
         mistake.found.map_or(self.text.len() as u32, |it| it.0)
     }
 
-    fn error(&self, mistake: &Mistake<'a>) -> SyntaxError {
+    fn error(&self, mistake: &Mistake) -> SyntaxError {
         let place = self.place(mistake);
         // A token that was put in is empty: the next one in the text is the one to speak about.
         let tokens = &self.lexed.tokens;
@@ -117,6 +117,7 @@ impl<'t, 'a> Verdict<'t, 'a> {
             leads: found.is_some_and(|it| it.leads),
             is_in_the_way: mistake.found.is_some_and(|it| it.0 < it.2),
             before: before.map(|it| it.token),
+            name: before.filter(|it| it.token.is_name()).map(|it| self.lexed.values.name(it.start, it.end)),
             expected: &mistake.expected,
         });
         let (start, end) = found.map_or((place, place), |it| (it.start, it.end));
@@ -143,13 +144,13 @@ impl<'t, 'a> Verdict<'t, 'a> {
 }
 
 /// What an unterminated text or comment has swallowed is missing in the whole statement.
-fn unreadable(lexed: &Lexed<'_>, statements: &Statements<'_, '_>) -> Vec<(u32, u32)> {
+fn unreadable(lexed: &Lexed<'_>, statements: &Statements<'_>) -> Vec<(u32, u32)> {
     let around = |&it: &u32| (statements.end_before(it), statements.end_after(it));
     lexed.doubtful.iter().map(around).chain(lexed.cut.map(|it| (it, u32::MAX))).collect()
 }
 
 /// Where the parser went on in other brackets than those that the mistake is in, it is out of step.
-fn out_of_step(statements: &Statements<'_, '_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+fn out_of_step(statements: &Statements<'_>, mistakes: &[Mistake]) -> Vec<(u32, u32)> {
     if mistakes.is_empty() {
         return Vec::new();
     }
@@ -160,7 +161,7 @@ fn out_of_step(statements: &Statements<'_, '_>, mistakes: &[Mistake<'_>]) -> Vec
 }
 
 /// Where an arrow is missing and something is wrong before that, the statement is no rule at all.
-fn no_rule(statements: &Statements<'_, '_>, mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+fn no_rule(statements: &Statements<'_>, mistakes: &[Mistake]) -> Vec<(u32, u32)> {
     let mut places: Vec<u32> = mistakes.iter().filter_map(|it| it.found).map(|it| it.0).collect();
     places.sort_unstable();
     let without_arrow = mistakes.iter().filter(|it| it.expected.iter().any(|it| it == "\"->\""));
@@ -176,7 +177,7 @@ fn first_in(places: &[u32], from: u32, until: u32) -> Option<u32> {
 
 /// A bracket that is closed without being opened shows that the opening one is missing, and the first mistake before it
 /// shows where.
-fn unopened(statements: &Statements<'_, '_>, findings: &[Finding], mistakes: &[Mistake<'_>]) -> Vec<(u32, u32)> {
+fn unopened(statements: &Statements<'_>, findings: &[Finding], mistakes: &[Mistake]) -> Vec<(u32, u32)> {
     let mut needs_brace = Vec::new();
     let mut all = Vec::new();
     for mistake in mistakes {

@@ -57,11 +57,11 @@ fn what_stands_around_a_mistake_is_read() {
     let text = "let a = ;\ncsg B { start ; c -> d; e(f) if = -> g; h(1 2, i) -> j; }\nlet k = f(1, , 2);";
     let parsed = read(text);
     assert_eq!(parsed.errors.len(), 5, "{}", errors_of(text));
-    assert!(matches!(&parsed.file.items[0].kind, ItemKind::Let(it) if it.name.text == "a"));
+    assert!(matches!(&parsed.file.items[0].kind, ItemKind::Let(it) if &*it.name.text == "a"));
     let ItemKind::System(system) = &parsed.file.items[1].kind else { panic!("no system") };
     let rules = system.members.iter().filter(|it| matches!(it.kind, MemberKind::Rule(_))).count();
     assert_eq!((system.members.len(), rules), (4, 3));
-    assert!(matches!(&parsed.file.items[2].kind, ItemKind::Let(it) if it.name.text == "k"));
+    assert!(matches!(&parsed.file.items[2].kind, ItemKind::Let(it) if &*it.name.text == "k"));
 }
 
 #[test]

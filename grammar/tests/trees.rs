@@ -24,7 +24,7 @@ fn show(expr: &Expr) -> String {
         ExprKind::Number(it) => format!("{it}"),
         ExprKind::Text(it) => format!("{it:?}"),
         ExprKind::Bool(it) => format!("{it}"),
-        ExprKind::Name(it) => it.clone(),
+        ExprKind::Name(it) => it.to_string(),
         ExprKind::If { branches, otherwise } => {
             let cases = branches.iter().map(|it| format!("{} ? {} : ", show(&it.0), show(&it.1)));
             format!("({}{})", cases.collect::<String>(), show(otherwise))
@@ -44,7 +44,7 @@ fn show(expr: &Expr) -> String {
                 Link::Part(name) => format!(".{}", name.text),
                 Link::Call(args, _) => {
                     let args = args.iter().map(|it| {
-                        let name = it.name.as_ref().map(|it| it.text.clone() + ": ").unwrap_or_default();
+                        let name = it.name.as_ref().map(|it| format!("{}: ", it.text)).unwrap_or_default();
                         name + &show(&it.value)
                     });
                     format!("({})", args.collect::<Vec<_>>().join(", "))
@@ -86,7 +86,7 @@ fn solid(it: &Solid) -> String {
 fn term(it: &Term) -> String {
     match &it.kind {
         TermKind::Call { path, args } => {
-            let qualifier = path.qualifier.as_ref().map(|it| it.text.clone() + ".").unwrap_or_default();
+            let qualifier = path.qualifier.as_ref().map(|it| format!("{}.", it.text)).unwrap_or_default();
             let args = args.as_ref().map(|it| it.iter().map(|it| show(&it.value)).collect::<Vec<_>>().join(", "));
             qualifier + &path.name.text + &args.map(|it| format!("({it})")).unwrap_or_default()
         }
@@ -95,7 +95,7 @@ fn term(it: &Term) -> String {
             let steps = calc.steps.iter().map(|it| match it {
                 Step::Let(it) => format!("let {} = {}", it.name.text, show(&it.value)),
                 Step::Assign(it) => format!("{} = {}", it.name.text, show(&it.value)),
-                Step::Run(name) => name.text.clone(),
+                Step::Run(name) => name.text.to_string(),
                 Step::Error(_) => "?".to_owned(),
             });
             format!("{{{}}}", steps.collect::<Vec<_>>().join("; "))

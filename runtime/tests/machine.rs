@@ -15,7 +15,7 @@ fn env() -> Env {
 }
 
 fn code(registers: u16, ops: Vec<Op>, result: u16) -> Code {
-    Code { origins: vec![Origin::NONE; ops.len()], ops, registers, results: vec![Reg(result)] }
+    Code { origins: vec![Origin::NONE; ops.len()].into(), ops: ops.into(), registers, results: Box::new([Reg(result)]) }
 }
 
 fn run_with(functions: &[Function], code: &Code) -> Result<Value, Fault> {

@@ -33,7 +33,7 @@ pub(crate) fn find(program: &Program) -> Vec<Counter> {
         if system.kind != SystemKind::Csg || module.select.is_some() {
             continue;
         }
-        let waiting = || module.rules.iter().filter_map(|it| Some((it, it.guard.as_ref().and_then(waits)?)));
+        let waiting = || module.rules.iter().filter_map(|it| Some((it, it.guard.as_deref().and_then(waits)?)));
         let slots = waiting().map(|(_, (.., slot))| (slot, None)).collect();
         let mut search = Search { id: ModuleId(number as u32), module, found: slots };
         if !search.found.is_empty() {
@@ -52,7 +52,7 @@ pub(crate) fn find(program: &Program) -> Vec<Counter> {
 /// The comparison of a value of the rule with a number, in a guard that needs it: its place, its sign's, and the value.
 fn waits(guard: &Expr) -> Option<(Span, Span, SlotId)> {
     let ExprKind::Binary { first, rest } = &guard.kind else { return None };
-    match rest.as_slice() {
+    match &rest[..] {
         [(BinaryOp::Equal, sign, number)] => match (&first.kind, &number.kind) {
             (ExprKind::Slot(slot), ExprKind::Number(_)) => Some((guard.span, *sign, *slot)),
             _ => None,
@@ -75,7 +75,7 @@ impl Search<'_> {
     fn change(&mut self, slot: SlotId, value: &Expr) {
         let Some(found) = self.found.get_mut(&slot) else { return };
         let ExprKind::Binary { first, rest } = &value.kind else { return };
-        let [(op @ (BinaryOp::Add | BinaryOp::Subtract), _, _)] = rest.as_slice() else { return };
+        let [(op @ (BinaryOp::Add | BinaryOp::Subtract), _, _)] = &rest[..] else { return };
         if matches!(first.kind, ExprKind::Slot(it) if it == slot) {
             found.get_or_insert((value.span, *op == BinaryOp::Subtract));
         }

@@ -8,7 +8,7 @@ use crate::program::{Expr, ExprKind, SlotId};
 pub(super) fn never(condition: &Expr) -> bool {
     match &condition.kind {
         ExprKind::Bool(it) => !it,
-        ExprKind::Binary { first, rest } => match rest.as_slice() {
+        ExprKind::Binary { first, rest } => match &rest[..] {
             [(BinaryOp::Or, ..), ..] => operands(first, rest).all(never),
             [(BinaryOp::And, ..), ..] => operands(first, rest).any(never) || contradicts(first, rest),
             [(op, _, second)] => match (number(first), number(second)) {
@@ -31,7 +31,7 @@ fn operands<'a>(first: &'a Expr, rest: &'a Rest) -> impl Iterator<Item = &'a Exp
 fn number(expr: &Expr) -> Option<f64> {
     match &expr.kind {
         ExprKind::Number(it) => Some(*it),
-        ExprKind::Unary { ops, operand } => match (ops.as_slice(), number(operand)) {
+        ExprKind::Unary { ops, operand } => match (&ops[..], number(operand)) {
             ([UnaryOp::Negate], Some(it)) => Some(-it),
             _ => None,
         },
@@ -68,7 +68,7 @@ fn contradicts(first: &Expr, rest: &Rest) -> bool {
 /// `n < 3` or `3 > n` as the value, the sign and the number.
 fn comparison(expr: &Expr) -> Option<(SlotId, BinaryOp, f64)> {
     let ExprKind::Binary { first, rest } = &expr.kind else { return None };
-    let [(op, _, second)] = rest.as_slice() else { return None };
+    let [(op, _, second)] = &rest[..] else { return None };
     match (&first.kind, &second.kind) {
         (ExprKind::Slot(slot), _) => Some((*slot, *op, number(second)?)),
         (_, ExprKind::Slot(slot)) => Some((*slot, turned(*op), number(first)?)),

@@ -90,13 +90,10 @@ impl<'a> Coder<'a> {
     }
 
     /// The code, and where it grew beyond its limit if it did.
-    pub(crate) fn finish(mut self, mut results: Vec<Reg>) -> (Code, Option<Span>) {
-        // Most codes are short, and there may be very many of them.
-        self.ops.shrink_to_fit();
-        self.origins.shrink_to_fit();
-        results.shrink_to_fit();
+    pub(crate) fn finish(self, results: Vec<Reg>) -> (Code, Option<Span>) {
         let registers = self.most.min(usize::from(u16::MAX)) as u16;
-        (Code { ops: self.ops, origins: self.origins, registers, results }, self.overflow)
+        let (ops, origins, results) = (self.ops.into(), self.origins.into(), results.into());
+        (Code { ops, origins, registers, results }, self.overflow)
     }
 
     /// Adds an operation.

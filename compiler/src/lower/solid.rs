@@ -29,7 +29,7 @@ impl Lowering<'_> {
                 Node::Call(form::Call { select, args, place: *place, origin: origin(span) })
             }
             SolidKind::System { system, args, seed, place } => {
-                self.system_call(*system, args, seed.as_ref(), *place, span)
+                self.system_call(*system, args, seed.as_deref(), *place, span)
             }
             SolidKind::Repeat { count, index, body } => {
                 let body = self.solid(system, body);

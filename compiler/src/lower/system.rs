@@ -69,7 +69,7 @@ impl Lowering<'_> {
             .rules
             .iter()
             .map(|rule| form::Rule {
-                label: rule.label.clone(),
+                label: rule.label.as_deref().map(str::to_owned),
                 guard: rule.guard.as_ref().map(|it| self.value_of(it)),
                 weight: rule.weight.as_ref().map(|it| self.value_of(it)),
                 body: self.solid(module.system, &rule.body),

@@ -74,7 +74,7 @@ impl Lowering<'_> {
             .rules
             .iter()
             .map(|rule| form::WalkRule {
-                label: rule.label.clone(),
+                label: rule.label.as_deref().map(str::to_owned),
                 // The checker lets no other number through.
                 priority: rule.priority.and_then(|it| i32::try_from(it).ok()).unwrap_or(0),
                 appends: rule.appends,
@@ -109,7 +109,8 @@ impl Lowering<'_> {
         let SolidKind::Walk(terms) = &solid.kind else {
             return Walk::default();
         };
-        let mut strides: Vec<Stride> = terms.iter().filter_map(|it| self.stride(body, it)).collect();
+        let mut strides = Vec::with_capacity(terms.len());
+        strides.extend(terms.iter().filter_map(|it| self.stride(body, it)));
         // Most walks are short, and there may be very many of them.
         strides.shrink_to_fit();
         Walk { strides }

@@ -1,7 +1,5 @@
 //! Arguments: which value goes to which parameter.
 
-use std::collections::HashMap;
-
 use treegen_grammar::Span;
 use treegen_grammar::ast;
 
@@ -50,14 +48,14 @@ impl Resolver<'_> {
         // An argument that could not be read may stand for several.
         let readable = args.iter().all(|it| it.value.kind != ast::ExprKind::Error);
         let mut given: Vec<Option<T>> = callee.params.iter().map(|_| None).collect();
-        let mut places: HashMap<usize, Span> = HashMap::new();
+        let mut places: Vec<Option<Span>> = vec![None; callee.params.len()];
         let mut named: Option<Span> = None;
         let mut fine = readable;
         for (number, (arg, value)) in args.iter().zip(values).enumerate() {
             let index = match &arg.name {
                 Some(name) => {
                     named = Some(name.span);
-                    let Some(index) = callee.params.iter().position(|it| *it == name.text) else {
+                    let Some(index) = callee.params.iter().position(|it| **it == *name.text) else {
                         let near = nearest(&name.text, callee.params.iter().copied());
                         let problem =
                             words::arguments::unknown(callee.name, &name.text, name.span, callee.params, near);
@@ -84,7 +82,7 @@ impl Resolver<'_> {
                 }
                 return None;
             };
-            if let Some(first) = places.insert(index, span) {
+            if let Some(first) = places[index].replace(span) {
                 self.report(scope, words::arguments::twice(callee.params[index], span, first));
                 fine = false;
             }
@@ -126,7 +124,7 @@ impl Resolver<'_> {
         groups: &[Group],
         args: Option<&[ast::Arg]>,
         span: Span,
-    ) -> Option<(Vec<Expr>, bool)> {
+    ) -> Option<(Box<[Expr]>, bool)> {
         let args = args.unwrap_or(&[]);
         let flat: Vec<&str> = groups.iter().flat_map(|it| it.parts.iter().copied()).collect();
         let vectors: Vec<&str> = groups.iter().map(|it| it.name).collect();
@@ -148,8 +146,7 @@ impl Resolver<'_> {
         let required = vec![true; params.len()];
         let callee = Callee { name, span, params: &params, required: &required, by_name: 0, def: None };
         let values = self.arguments(scope, callee, args)?;
-        let values: Vec<Expr> = values.into_iter().flatten().collect();
-        Some((values, is_flat))
+        Some((values.into_iter().flatten().collect(), is_flat))
     }
 
     /// Whether an expression is one about which a problem was reported.

@@ -12,7 +12,7 @@ use crate::words;
 impl Resolver<'_> {
     /// The steps of a C-node or `calc`. What they name is seen until the caller forgets it.
     pub(super) fn steps(&mut self, scope: &mut Scope, steps: &[ast::Step]) -> Vec<Step> {
-        let mut resolved = Vec::new();
+        let mut resolved = Vec::with_capacity(steps.len());
         for step in steps {
             match step {
                 ast::Step::Let(it) => {
@@ -45,7 +45,7 @@ impl Resolver<'_> {
             if !self.may_be_unreadable(scope, &name.text) {
                 let near = self.nearest_var(scope, &name.text);
                 // What reads it further on is one mistake with this one.
-                self.unknown.insert((scope.file, scope.system, name.text.clone()));
+                self.unknown.insert((scope.file, scope.system, name.text.to_string()));
                 self.report(scope, words::systems::unknown_var(&name.text, name.span, near.as_deref()));
             }
             self.break_def(scope.def);

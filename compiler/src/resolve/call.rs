@@ -25,7 +25,7 @@ impl Resolver<'_> {
     ) -> Role {
         let error = Role::Solid(Solid { span, kind: SolidKind::Error });
         if path.qualifier.is_none()
-            && (path.name.text == "paint")
+            && (&*path.name.text == "paint")
             && self.lookup(scope, "paint", span).is_ok_and(|it| it.is_none())
         {
             return self.paint(scope, args, span);
@@ -164,7 +164,7 @@ impl Resolver<'_> {
         let def = Some(self.program.systems[system.index()].def);
         let callee = Callee { name: &name.text, span, params: &params, required: &required, by_name: 1, def };
         let Some(mut given) = self.arguments(scope, callee, args) else { return SolidKind::Error };
-        let seed = given.pop().flatten();
+        let seed = given.pop().flatten().map(Box::new);
         let args = given.into_iter().enumerate().filter_map(|it| Some((it.0, it.1?))).collect();
         SolidKind::System { system, args, seed, place }
     }
@@ -177,7 +177,7 @@ impl Resolver<'_> {
 
     /// A built-in name in a chain.
     fn builtin_term(&mut self, scope: &mut Scope, name: &ast::Name, args: Option<&[ast::Arg]>, span: Span) -> Role {
-        let text = name.text.as_str();
+        let text = &*name.text;
         if let Some(it) = builtin::TRANSFORMS.iter().find(|it| it.name == text) {
             let kind = match self.grouped(scope, text, it.groups, args, span) {
                 Some((args, flat)) => PrefixKind::Transform { kind: it.kind, args, flat },
@@ -199,14 +199,16 @@ impl Resolver<'_> {
             },
             "variant" => {
                 let kind = match self.grouped(scope, text, VARIANT, args, span) {
-                    Some((args, _)) => args.into_iter().next().map_or(PrefixKind::Error, PrefixKind::Variant),
+                    Some((args, _)) => {
+                        args.into_iter().next().map_or(PrefixKind::Error, |it| PrefixKind::Variant(Box::new(it)))
+                    }
                     None => PrefixKind::Error,
                 };
                 Role::Prefix(Prefix { span, kind }, "vary")
             }
             "scatter" => {
                 let kind = match self.later(scope, "scatter", fields::SCATTER, 2, args, span) {
-                    Some(later) => PrefixKind::Later(later),
+                    Some(later) => PrefixKind::Later(Box::new(later)),
                     None => PrefixKind::Error,
                 };
                 Role::Prefix(Prefix { span, kind }, "scatter")
@@ -251,7 +253,7 @@ impl Resolver<'_> {
             return SolidKind::Error;
         };
         match self.meshes.find(path, file.span) {
-            Ok(Some(kind)) => SolidKind::Primitive { kind, args: Vec::new(), flat: false },
+            Ok(Some(kind)) => SolidKind::Primitive { kind, args: Box::default(), flat: false },
             Ok(None) => {
                 self.break_def(scope.def);
                 SolidKind::Error
@@ -272,7 +274,7 @@ impl Resolver<'_> {
         args: Option<&[ast::Arg]>,
         span: Span,
     ) -> SolidKind {
-        self.later(scope, what, rules, needed, args, span).map_or(SolidKind::Error, SolidKind::Later)
+        self.later(scope, what, rules, needed, args, span).map_or(SolidKind::Error, |it| SolidKind::Later(Box::new(it)))
     }
 }
 

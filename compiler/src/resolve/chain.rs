@@ -67,7 +67,7 @@ impl Resolver<'_> {
 
     /// Operators, and the solid that ends their chain.
     fn chain(&mut self, scope: &mut Scope, terms: &[ast::Term], span: Span) -> Solid {
-        let mut prefixes = Vec::new();
+        let mut prefixes = Vec::with_capacity(terms.len().saturating_sub(1));
         let mut body: Option<Solid> = None;
         let mut last_verb = "";
         let mut broken = false;
@@ -151,7 +151,7 @@ impl Resolver<'_> {
             }
             TermKind::Bracket(inner) => self.bracket(scope, inner, span),
             TermKind::Repeat { count, index, body } => {
-                let count = self.expr(scope, count);
+                let count = Box::new(self.expr(scope, count));
                 let mark = scope.mark();
                 let index = self.index(scope, index.as_ref(), span);
                 let body = Box::new(self.solid(scope, body));

@@ -52,7 +52,7 @@ impl Resolver<'_> {
     }
 
     fn declare_use(&mut self, file: FileId, path: &str, span: Span, alias: Option<&Name>, used: Option<FileId>) {
-        let name = alias.cloned().or_else(|| Some(Name { text: stem(path)?, span }));
+        let name = alias.cloned().or_else(|| Some(Name { text: stem(path)?.into(), span }));
         let Some(name) = name else {
             // Of one that is not there, that is all there is to say.
             if used.is_some() {
@@ -96,7 +96,7 @@ impl Resolver<'_> {
 
     /// Makes the table's entry for an item that was declared.
     fn make_item(&mut self, def: DefId, name: &Name, item: &ItemKind) {
-        let record = || Record { def, name: name.text.clone(), span: name.span, fields: Vec::new() };
+        let record = || Record { def, name: name.text.to_string(), span: name.span, fields: Vec::new() };
         match item {
             ItemKind::Param(_) | ItemKind::Let(_) => {
                 self.program.globals.push(Global { written: None, value: hole(name.span), range: None });
@@ -104,8 +104,8 @@ impl Resolver<'_> {
             ItemKind::Fn(it) => self.make_function(def, None, it),
             ItemKind::Enum { cases, .. } => {
                 self.check_cases(cases);
-                let cases = cases.iter().map(|it| it.text.clone()).collect();
-                self.program.enums.push(Enum { name: name.text.clone(), cases });
+                let cases = cases.iter().map(|it| it.text.to_string()).collect();
+                self.program.enums.push(Enum { name: name.text.to_string(), cases });
             }
             ItemKind::Texture { .. } => self.program.textures.push(record()),
             ItemKind::Material { .. } => self.program.materials.push(record()),
@@ -123,7 +123,7 @@ impl Resolver<'_> {
     }
 
     fn make_function(&mut self, def: DefId, system: Option<SystemId>, it: &ast::Fn) {
-        let params = it.params.iter().map(|it| it.text.clone()).collect();
+        let params = it.params.iter().map(|it| it.text.to_string()).collect();
         self.program.functions.push(Function { def, system, params, body: hole(it.name.span) });
     }
 
@@ -165,7 +165,7 @@ impl Resolver<'_> {
         }
         for formal in &system.formals {
             if let Some((def, slot)) = self.declare_slot(file, id, &formal.name, DefKind::Formal) {
-                let name = formal.name.text.clone();
+                let name = formal.name.text.to_string();
                 if formal.default.is_some() || self.overridden(file, Some(&system.name.text), &name).is_some() {
                     self.has_default.insert(def);
                 }
@@ -184,7 +184,7 @@ impl Resolver<'_> {
         self.program.systems.push(System {
             def,
             kind,
-            name: name.text.clone(),
+            name: name.text.to_string(),
             name_span: name.span,
             slots: Vec::new(),
             formals: Vec::new(),
@@ -266,7 +266,7 @@ impl Resolver<'_> {
                 id
             }
         };
-        self.labels[module.index()].push(rule.label.as_ref().map(|it| it.text.clone()));
+        self.labels[module.index()].push(rule.label.as_ref().map(|it| Arc::clone(&it.text)));
     }
 
     /// Makes a module of its first rule, without any rules.
@@ -276,7 +276,7 @@ impl Resolver<'_> {
             let def = self.define(&param.text, param.span, DefKind::Parameter);
             params.push(self.slot(system, def));
         }
-        let name = first.module.text.clone();
+        let name = first.module.text.to_string();
         let place = treegen_runtime::eval::Place::system(&self.program.systems[system.index()].name);
         let weights_place = place.definition("select", &name).draw(0);
         let rules = Vec::new();
@@ -364,9 +364,4 @@ fn stem(path: &str) -> Option<String> {
     let fits = letters.next().is_some_and(|it| it.is_ascii_alphabetic() || it == '_')
         && letters.all(|it| it.is_ascii_alphanumeric() || it == '_');
     fits.then(|| stem.to_owned())
-}
-
-/// Text that many may share.
-pub(super) fn shared(text: &str) -> Arc<str> {
-    Arc::from(text)
 }

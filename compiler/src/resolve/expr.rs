@@ -1,11 +1,12 @@
 //! Names in expressions.
 
+use std::sync::Arc;
+
 use treegen_grammar::Span;
 use treegen_grammar::ast::{self, Link as Tail};
 
 use super::Resolver;
 use super::arguments::Callee;
-use super::declare::shared;
 use super::names::{Meaning, Named};
 use super::scope::Scope;
 use crate::builtin;
@@ -18,7 +19,7 @@ impl Resolver<'_> {
     pub(super) fn expr(&mut self, scope: &mut Scope, expr: &ast::Expr) -> Expr {
         let kind = match &expr.kind {
             ast::ExprKind::Number(number) => ExprKind::Number(*number),
-            ast::ExprKind::Text(text) => ExprKind::Text(shared(text)),
+            ast::ExprKind::Text(text) => ExprKind::Text(Arc::clone(text)),
             ast::ExprKind::Bool(truth) => ExprKind::Bool(*truth),
             ast::ExprKind::Name(name) => self.name(scope, name, expr.span),
             ast::ExprKind::If { branches, otherwise } => {
@@ -41,7 +42,7 @@ impl Resolver<'_> {
         Expr { span: expr.span, kind }
     }
 
-    fn exprs(&mut self, scope: &mut Scope, exprs: &[ast::Expr]) -> Vec<Expr> {
+    fn exprs(&mut self, scope: &mut Scope, exprs: &[ast::Expr]) -> Box<[Expr]> {
         exprs.iter().map(|it| self.expr(scope, it)).collect()
     }
 
@@ -92,7 +93,7 @@ impl Resolver<'_> {
             _ => {}
         }
         if let Some(module) = scope.selects
-            && self.labels[module.index()].iter().flatten().any(|it| it == name)
+            && self.labels[module.index()].iter().flatten().any(|it| **it == *name)
         {
             let module = self.program.modules[module.index()].name.clone();
             self.report(scope, words::names::label_too_deep(name, span, &module));
@@ -141,7 +142,7 @@ impl Resolver<'_> {
         let (first, rest) = match (named.map(|it| it.meaning), links) {
             (Some(Meaning::Enum(id)), [Tail::Part(case), rest @ ..]) => {
                 let known = &self.program.enums[id.index()];
-                match known.cases.iter().position(|it| *it == case.text) {
+                match known.cases.iter().position(|it| **it == *case.text) {
                     Some(number) => (ExprKind::Case(id, number as u32), rest),
                     None => {
                         let near = nearest(&case.text, known.cases.iter().map(String::as_str)).map(str::to_owned);
@@ -258,12 +259,12 @@ impl Resolver<'_> {
 
     /// Indices and parts after a value.
     fn links(&mut self, scope: &mut Scope, base: Expr, links: &[Tail], _span: Span) -> ExprKind {
-        let mut resolved = Vec::new();
+        let mut resolved = Vec::with_capacity(links.len());
         for (number, link) in links.iter().enumerate() {
             match link {
                 Tail::Index(index, span) => resolved.push(Link::Index(self.expr(scope, index), *span)),
                 Tail::Part(part) => {
-                    let Some(at) = ["x", "y", "z", "w"].iter().position(|it| *it == part.text) else {
+                    let Some(at) = ["x", "y", "z", "w"].iter().position(|it| **it == *part.text) else {
                         if !Self::is_error(&base) {
                             self.report(scope, words::types::unknown_part(&part.text, part.span));
                         }
@@ -279,7 +280,7 @@ impl Resolver<'_> {
                 }
             }
         }
-        ExprKind::Postfix { base: Box::new(base), links: resolved }
+        ExprKind::Postfix { base: Box::new(base), links: resolved.into() }
     }
 
     /// A function of the program.
@@ -300,7 +301,7 @@ impl Resolver<'_> {
     fn builtin_call(&mut self, scope: &mut Scope, name: &str, args: &[ast::Arg], head: Span, span: Span) -> ExprKind {
         let draw = builtin::DRAWS.iter().find(|it| it.0 == name);
         let place = if draw.is_some() { scope.next_draw() } else { 0 };
-        let values: Vec<Expr> = args.iter().map(|it| self.expr(scope, &it.value)).collect();
+        let values: Box<[Expr]> = args.iter().map(|it| self.expr(scope, &it.value)).collect();
         if let Some((_, draw, count)) = draw {
             let fine = self.check_count(scope, name, args, (*count, *count), span);
             return if fine { ExprKind::Draw { draw: *draw, args: values, place } } else { ExprKind::Error };
@@ -376,7 +377,7 @@ impl Resolver<'_> {
         }
         self.break_def(scope.def);
         if !self.may_be_unreadable(scope, name) {
-            let labels: Vec<&str> = self.labels[module.index()].iter().flatten().map(String::as_str).collect();
+            let labels: Vec<&str> = self.labels[module.index()].iter().flatten().map(AsRef::as_ref).collect();
             let near = nearest(name, labels.iter().copied());
             let module = &self.program.modules[module.index()].name;
             let problem = words::types::unknown_label(module, name, expr.span, &labels, near);

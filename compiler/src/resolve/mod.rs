@@ -19,6 +19,7 @@ mod unfound;
 mod walk;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
 
 use treegen_grammar::ast::ItemKind;
 use treegen_grammar::{FileId, Span};
@@ -99,7 +100,7 @@ struct Resolver<'a> {
     /// The names of each system.
     systems: Vec<Names>,
     /// The rules' labels of each module.
-    labels: Vec<Vec<Option<String>>>,
+    labels: Vec<Vec<Option<Arc<str>>>>,
     /// Unknown names that were reported, with their file and system: each is reported once.
     unknown: BTreeSet<(FileId, Option<SystemId>, String)>,
     /// Those of them that nothing looks like.

@@ -54,17 +54,17 @@ impl Resolver<'_> {
     ) -> Option<(String, Named)> {
         match &value.kind {
             ast::ExprKind::Name(name) => match self.lookup(scope, name, value.span).ok()? {
-                Some(named) => Some((name.clone(), named)),
+                Some(named) => Some((name.to_string(), named)),
                 None => {
                     self.unknown(scope, name, value.span, what, fits, &[]);
                     None
                 }
             },
-            ast::ExprKind::Postfix { base, links } => match (&base.kind, links.as_slice()) {
+            ast::ExprKind::Postfix { base, links } => match (&base.kind, &links[..]) {
                 (ast::ExprKind::Name(qualifier), [ast::Link::Part(name)]) => {
                     let qualifier = ast::Name { text: qualifier.clone(), span: base.span };
                     let named = self.qualified(scope, &qualifier, name).ok()?;
-                    Some((name.text.clone(), named))
+                    Some((name.text.to_string(), named))
                 }
                 _ => {
                     self.report(scope, otherwise(value.span));
@@ -98,7 +98,7 @@ impl Resolver<'_> {
         let mut values = Vec::new();
         let mut parts = Vec::new();
         for (number, arg) in args.iter().enumerate() {
-            let name = arg.name.as_ref().map(|it| it.text.as_str());
+            let name = arg.name.as_ref().map(|it| &*it.text);
             let rule = name.map_or(rules.get(number), |name| rules.iter().find(|it| it.name == name));
             values.push(self.later_argument(scope, rule, &arg.value, &mut parts));
         }
@@ -148,13 +148,13 @@ impl Resolver<'_> {
             self.break_def(scope.def);
             return None;
         };
-        let (path, args) = match (&base.kind, links.as_slice()) {
+        let (path, args) = match (&base.kind, &links[..]) {
             (ast::ExprKind::Name(name), [ast::Link::Call(args, _)]) => {
                 (ast::Path { qualifier: None, name: ast::Name { text: name.clone(), span: base.span } }, args)
             }
             (ast::ExprKind::Name(name), [ast::Link::Part(item), ast::Link::Call(args, _)]) => {
                 let qualifier = ast::Name { text: name.clone(), span: base.span };
-                (ast::Path { qualifier: Some(qualifier), name: item.clone() }, args)
+                (ast::Path { qualifier: Some(Box::new(qualifier)), name: item.clone() }, args)
             }
             _ => {
                 self.report(scope, words::systems::surface_what(field, value.span));

@@ -20,7 +20,7 @@ impl Resolver<'_> {
         let Some(def) = def else { return };
         let DefKind::Texture(at) = self.program.def(def).kind else { return };
         let mut scope = Scope::file(file).within(def, Place::file().definition("texture", &name.text));
-        let kind = record.fields.iter().find(|it| it.name.text == "kind");
+        let kind = record.fields.iter().find(|it| &*it.name.text == "kind");
         let Some(kind) = kind else {
             self.report(
                 &scope,
@@ -29,7 +29,7 @@ impl Resolver<'_> {
             return;
         };
         let word = match &kind.value.kind {
-            ast::ExprKind::Name(word) if fields::TEXTURE_KINDS.contains(&word.as_str()) => word.clone(),
+            ast::ExprKind::Name(word) if fields::TEXTURE_KINDS.contains(&&**word) => word.clone(),
             _ => {
                 // What fields it has is known only when its kind is.
                 self.word(&mut scope, "kind", &kind.value, fields::TEXTURE_KINDS);
@@ -60,7 +60,7 @@ impl Resolver<'_> {
             self.problems.push(words::records::scene_twice(span, first.span));
             return;
         }
-        let name = ast::Name { text: "scene".to_owned(), span };
+        let name = ast::Name { text: "scene".into(), span };
         let def = self.define("scene", span, DefKind::Scene);
         let system = self.make_system(def, SystemKind::Csg, &name);
         if self.is_unread(span) {
@@ -77,12 +77,12 @@ impl Resolver<'_> {
                     let scene_def = def;
                     let def = self.define(&name.text, name.span, DefKind::Scene);
                     let mut scope = Scope::file(file).within(def, Place::file().definition("scene", &name.text));
-                    let owner = match name.text.as_str() {
+                    let owner = match &*name.text {
                         "image" => "an image".to_owned(),
                         other => format!("a {other}"),
                     };
                     let fields = self.fields(&mut scope, &owner, rules, record);
-                    let record = Record { def, name: name.text.clone(), span: name.span, fields };
+                    let record = Record { def, name: name.text.to_string(), span: name.span, fields };
                     self.program.defs[scene_def.index()].uses.push(def);
                     if let Some(scene) = &mut self.program.scene {
                         scene.records.push(record);
@@ -109,7 +109,7 @@ impl Resolver<'_> {
         name: &'s ast::Name,
         seen: &mut HashMap<&'s str, Span>,
     ) -> Option<&'static [FieldRule]> {
-        let Some((_, rules, repeats)) = fields::SCENE.iter().find(|it| it.0 == name.text) else {
+        let Some((_, rules, repeats)) = fields::SCENE.iter().find(|it| *it.0 == *name.text) else {
             let known: Vec<&str> = fields::SCENE.iter().map(|it| it.0).collect();
             let near = nearest(&name.text, known.iter().copied());
             self.problems.push(words::records::unknown_record(&name.text, name.span, &known, near));
@@ -129,7 +129,7 @@ impl Resolver<'_> {
         let mut seen: HashMap<&str, Span> = HashMap::new();
         let mut fields = Vec::new();
         for field in &record.fields {
-            let Some(rule) = rules.iter().find(|it| it.name == field.name.text) else {
+            let Some(rule) = rules.iter().find(|it| *it.name == *field.name.text) else {
                 let known: Vec<&str> = rules.iter().map(|it| it.name).collect();
                 let near = nearest(&field.name.text, known.iter().copied());
                 self.report(
@@ -170,7 +170,7 @@ impl Resolver<'_> {
         known: &'static [&'static str],
     ) -> Option<&'static str> {
         let text = match &value.kind {
-            ast::ExprKind::Name(text) => text.as_str(),
+            ast::ExprKind::Name(text) => &**text,
             ast::ExprKind::Error => {
                 self.break_def(scope.def);
                 return None;

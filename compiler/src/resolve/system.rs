@@ -1,6 +1,7 @@
 //! Names in systems: formals, members and rules.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use treegen_grammar::ast::{self, Arrow, MemberKind, SystemKind};
 use treegen_grammar::{FileId, Span};
@@ -167,7 +168,7 @@ impl<'o> Resolver<'o> {
             MemberKind::Prune(word) => {
                 self.walk_member(body, SystemKind::Hull, "`prune`", word.span);
                 self.check_word(body, "prune", word, &["outward", "none"]);
-                self.program.systems[body.system.index()].splitting.outward = word.text != "none";
+                self.program.systems[body.system.index()].splitting.outward = &*word.text != "none";
                 let earlier = body.once.prune.replace(member.span);
                 self.check_once("`prune`", member.span, earlier);
             }
@@ -277,7 +278,7 @@ impl<'o> Resolver<'o> {
     }
 
     fn check_word(&mut self, body: &Body, what: &str, name: &ast::Name, known: &[&str]) {
-        if !known.contains(&name.text.as_str()) {
+        if !known.contains(&&*name.text) {
             self.break_def(body.def);
             let near = nearest(&name.text, known.iter().copied());
             self.problems.push(words::systems::unknown_word(what, &name.text, name.span, known, near));
@@ -294,7 +295,7 @@ impl<'o> Resolver<'o> {
         scope.sees = Sees::Constants;
         let at = count.map_or(order.span, |it| it.span);
         let count = count.map(|it| self.expr(&mut scope, it));
-        let order = ORDERS.iter().find(|it| it.0 == order.text).map_or(Order::Parallel, |it| it.1);
+        let order = ORDERS.iter().find(|it| *it.0 == *order.text).map_or(Order::Parallel, |it| it.1);
         let splitting = &mut self.program.systems[body.system.index()].splitting;
         (splitting.order, splitting.count, splitting.span) = (order, count, at);
     }
@@ -322,20 +323,23 @@ impl<'o> Resolver<'o> {
         }
         let module = &self.program.modules[id.index()];
         let number = module.rules.len() + 1;
-        let label = rule.label.as_ref().map_or_else(|| number.to_string(), |it| it.text.clone());
+        let label = rule.label.as_ref().map_or_else(|| number.to_string(), |it| it.text.to_string());
         let def = module.def;
         let slots = module.params.clone();
         let mut scope = self.system_scope(body.file, body.system, def, "", "");
         scope.place = Place::system(&self.program.systems[body.system.index()].name).rule(&rule.module.text, &label);
         scope.walk = body.kind != SystemKind::Csg;
         self.bind_params(&mut scope, rule, &slots);
-        let guard = rule.guard.as_ref().map(|it| self.expr(&mut scope, it));
-        let weight = rule.weight.as_ref().map(|it| self.expr(&mut scope, it));
+        let guard = rule.guard.as_ref().map(|it| Box::new(self.expr(&mut scope, it)));
+        let weight = rule.weight.as_ref().map(|it| Box::new(self.expr(&mut scope, it)));
         let successor = self.solid(&mut scope, &rule.successor);
-        let label = rule.label.as_ref().map(|it| it.text.clone());
+        let label = rule.label.as_ref().map(|it| Arc::clone(&it.text));
         let appends = rule.arrow == Arrow::Append;
         let rule = Rule { label, span: rule_head(rule), priority, appends, guard, weight, body: successor };
-        self.program.modules[id.index()].rules.push(rule);
+        let rules = &mut self.program.modules[id.index()].rules;
+        // A module may have very many, and all their heads were seen.
+        rules.reserve_exact(self.labels[id.index()].len().saturating_sub(rules.len()));
+        rules.push(rule);
     }
 
     /// Makes a rule's names for its module's parameters known.

@@ -23,7 +23,7 @@ impl Resolver<'_> {
                 return self.operator_in_walk(scope, op, operands, solid.span);
             }
         };
-        let mut strides = Vec::new();
+        let mut strides = Vec::with_capacity(terms.len());
         for term in terms {
             match self.term(scope, term) {
                 Role::Prefix(prefix, _) => {
@@ -96,7 +96,9 @@ impl Resolver<'_> {
         span: Span,
     ) -> Role {
         let error = Role::Stride(Stride::Solid(Solid { span, kind: SolidKind::Error }));
-        let Some((word, kind, params)) = builtin::WALK_WORDS.iter().find(|it| it.0 == name.text) else { return error };
+        let Some((word, kind, params)) = builtin::WALK_WORDS.iter().find(|it| *it.0 == *name.text) else {
+            return error;
+        };
         let required = vec![true; params.len()];
         let callee = Callee { name: word, span, params, required: &required, by_name: 0, def: None };
         if !scope.walk {

@@ -109,7 +109,7 @@ fn is_term(before: &Piece<'_>, piece: &Piece<'_>) -> bool {
     let follows = before.token().is_some_and(Token::ends_value);
     match piece.kind {
         Kind::Token(And | Or | Plus | Minus | Star | Slash) => follows,
-        Kind::Token(Name(_) | Repeat) | Kind::WalkBracket(OpenSquare) => follows,
+        Kind::Token(Name | Repeat) | Kind::WalkBracket(OpenSquare) => follows,
         Kind::Token(OpenRound | OpenCurly) => before.token().is_some_and(Token::is_closer),
         _ => false,
     }

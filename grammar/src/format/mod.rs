@@ -105,7 +105,7 @@ fn says_the_same(file: FileId, one: &str, other: &str) -> bool {
     };
     // Names, numbers and texts compare by what they say.
     a.tokens.len() == b.tokens.len()
-        && a.tokens.iter().zip(&b.tokens).all(|(a, b)| a.token == b.token)
+        && a.tokens.iter().zip(&b.tokens).all(|it| it.0.token == it.1.token && a.values.get(it.0) == b.values.get(it.1))
         && comments(&a, &one) == comments(&b, other)
         && a.docs.iter().map(|it| &it.1).eq(b.docs.iter().map(|it| &it.1))
 }

@@ -16,7 +16,7 @@ const TAB: usize = 4;
 pub(super) struct Piece<'a> {
     /// As it is written, without blanks behind it.
     pub(super) text: &'a str,
-    pub(super) kind: Kind<'a>,
+    pub(super) kind: Kind,
     /// How many lines end between the piece before it and this one.
     pub(super) lines_before: usize,
     /// Where it stands in its line, in characters from 0.
@@ -33,12 +33,12 @@ pub(super) struct Piece<'a> {
 
 /// The kinds of [`Piece`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind<'a> {
-    Token(Token<'a>),
+pub(super) enum Kind {
+    Token(Token),
     /// A minus before a value.
     Sign,
     /// A square bracket around a part of a walk, or its partner.
-    WalkBracket(Token<'a>),
+    WalkBracket(Token),
     /// A comment that ends with its line.
     LineComment,
     BlockComment,
@@ -75,7 +75,7 @@ impl Piece<'_> {
     }
 
     /// The token, if it is one.
-    pub(super) fn token(&self) -> Option<Token<'_>> {
+    pub(super) fn token(&self) -> Option<Token> {
         match self.kind {
             Kind::Token(token) | Kind::WalkBracket(token) => Some(token),
             Kind::Sign => Some(Token::Minus),
@@ -131,7 +131,7 @@ struct Reader<'a> {
     /// The open brackets, and which of them are blocks of statements.
     open: Vec<(usize, bool)>,
     /// The first token of the statement at hand, if one is begun, for each open block and the file.
-    statements: Vec<Option<Token<'a>>>,
+    statements: Vec<Option<Token>>,
     /// How far the text has been read, and in which column that is.
     read: usize,
     column: usize,
@@ -168,7 +168,7 @@ impl<'a> Reader<'a> {
         self.push(kind, span.start, span.end, role);
     }
 
-    fn token(&mut self, token: Token<'a>, start: u32, end: u32) {
+    fn token(&mut self, token: Token, start: u32, end: u32) {
         if token.is_closer() {
             return self.close(token, start, end);
         }
@@ -193,7 +193,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn close(&mut self, token: Token<'a>, start: u32, end: u32) {
+    fn close(&mut self, token: Token, start: u32, end: u32) {
         let Some((opener, is_block)) = self.open.pop() else { return };
         if is_block {
             self.statements.pop();
@@ -223,7 +223,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn push(&mut self, kind: Kind<'a>, start: u32, end: u32, role: Role) {
+    fn push(&mut self, kind: Kind, start: u32, end: u32, role: Role) {
         let (start, end) = (start as usize, end as usize);
         let gap = self.text.get(self.read..start).unwrap_or_default();
         let lines_before = gap.matches('\n').count();

@@ -17,7 +17,7 @@ fn is_tight(before: &Piece<'_>, after: &Piece<'_>) -> bool {
         (Kind::Sign, _) => true,
         _ if after.is_punctuation() => true,
         (Kind::Token(OpenRound | OpenSquare | Dot | DotDot), _) => true,
-        (Kind::Token(Name(_)), Kind::Token(OpenRound)) => true,
+        (Kind::Token(Name), Kind::Token(OpenRound)) => true,
         (Kind::Token(OpenCurly | OpenBlock), Kind::Token(CloseCurly)) => true,
         (Kind::WalkBracket(OpenSquare), Kind::WalkBracket(CloseSquare)) => true,
         // An index, since a list stands behind a sign or a word.

@@ -487,7 +487,7 @@ impl Walker {
             _ => None,
         });
         let Some((low, high)) = ends else { return Abstract::Any };
-        let code = Code { results: vec![low, high], ..check.clone() };
+        let code = Code { results: Box::new([low, high]), ..check.clone() };
         let ranges = self.machine.ranges(flow, &code, slots);
         match ranges.as_deref() {
             Some([low, high]) => Range::new(low.low(), high.high()).map_or(Abstract::Any, Abstract::number),

@@ -12,11 +12,12 @@ use super::program::{Draft, NumberOp, Operand, Place, Program};
 use super::quick;
 use crate::form::{BinaryOp, Builtin, Code, Draw, Op, Reg, Slot, UnaryOp, Value, Vector};
 
-/// A code, with its program if it has one.
+/// A code, with its program if it needs one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Formula {
     code: Code,
-    program: Option<Program>,
+    /// Its program. One whose results are always the same needs none.
+    program: Option<Box<Program>>,
     /// The results, if they are numbers and always the same.
     constants: Option<Box<[f64]>>,
 }
@@ -26,6 +27,7 @@ impl Formula {
     pub fn new(code: Code) -> Self {
         let program = Writer::write(&code);
         let constants = program.as_ref().and_then(quick::constants);
+        let program = program.filter(|_| constants.is_none()).map(Box::new);
         Self { code, program, constants }
     }
 
@@ -36,7 +38,7 @@ impl Formula {
 
     /// What does the same with numbers alone.
     pub(super) fn program(&self) -> Option<&Program> {
-        self.program.as_ref()
+        self.program.as_deref()
     }
 
     /// The results, if they are numbers and always the same.

@@ -27,13 +27,13 @@ pub struct FunctionId(pub u32);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Code {
     /// What to do, in order.
-    pub ops: Vec<Op>,
+    pub ops: Box<[Op]>,
     /// For each operation, the text it comes from: a fault shows it.
-    pub origins: Vec<Origin>,
+    pub origins: Box<[Origin]>,
     /// How many registers a run needs; every register named is below.
     pub registers: u16,
     /// Where the results are.
-    pub results: Vec<Reg>,
+    pub results: Box<[Reg]>,
 }
 
 /// One operation. The first register named is the one it writes.

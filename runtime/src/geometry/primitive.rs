@@ -39,16 +39,28 @@ pub struct Primitive {
 enum Shape {
     Sphere,
     Cylinder,
-    Cone { r0: f64, r1: f64 },
+    Cone {
+        r0: f64,
+        r1: f64,
+    },
     Box,
     Tetrahedron,
-    Torus { r: f64 },
+    Torus {
+        r: f64,
+    },
     Triangle,
     HalfSpace(HalfSpace),
-    Ellipsoid { axes: DVec3 },
-    Hyperboloid { axes: DVec3 },
-    Paraboloid { axes: DVec3 },
-    Quadric(Quadric),
+    Ellipsoid {
+        axes: DVec3,
+    },
+    Hyperboloid {
+        axes: DVec3,
+    },
+    Paraboloid {
+        axes: DVec3,
+    },
+    /// Elsewhere, since it is more than twice as large as any other, and of segments and balls there may be a million.
+    Quadric(Box<Quadric>),
     Segment(CutCone),
     Hull(Arc<ConvexSet>),
     Mesh(MeshId, Arc<Triangles>),
@@ -78,7 +90,7 @@ impl Primitive {
             (PrimitiveKind::Hyperboloid, &[a, b, c]) => Shape::Hyperboloid { axes: half_axes(a, b, c)? },
             (PrimitiveKind::Paraboloid, &[a, b]) => Shape::Paraboloid { axes: half_axes(a, b, 1.0)? },
             (PrimitiveKind::Quadric, &[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0]) => {
-                Shape::Quadric(Quadric::new(&[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0])?)
+                Shape::Quadric(Box::new(Quadric::new(&[q1, q2, q3, q4, q5, q6, q7, q8, q9, q0])?))
             }
             (PrimitiveKind::Segment, &[radius, slope, lean, top, x, y]) => {
                 Shape::Segment(CutCone::new(radius, slope, lean, top, DVec2::new(x, y))?)
@@ -143,7 +155,8 @@ impl Primitive {
 
     /// About how many bytes it takes besides itself, without what it shares with all of its kind.
     pub(crate) fn bytes_apart(&self) -> usize {
-        self.hull().map_or(0, ConvexSet::bytes)
+        let quadric = if let Shape::Quadric(quadric) = &self.shape { size_of_val(&**quadric) } else { 0 };
+        quadric + self.hull().map_or(0, ConvexSet::bytes)
     }
 
     /// The primitive that this convex one is.

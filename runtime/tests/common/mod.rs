@@ -13,32 +13,30 @@ use treegen_runtime::trace::{Beam, Fragment, Seen, Tracer};
 
 /// A code that gives these numbers.
 pub(crate) fn numbers(values: &[f64]) -> Code {
-    let ops =
-        values.iter().enumerate().map(|(n, it)| Op::Constant(Reg(n as u16), Value::Number(*it))).collect::<Vec<_>>();
     Code {
-        origins: vec![Origin::NONE; ops.len()],
+        ops: values.iter().enumerate().map(|(n, it)| Op::Constant(Reg(n as u16), Value::Number(*it))).collect(),
+        origins: values.iter().map(|_| Origin::NONE).collect(),
         registers: values.len() as u16,
         results: (0..values.len() as u16).map(Reg).collect(),
-        ops,
     }
 }
 
 /// The code `slot op number`.
 pub(crate) fn slot_and(slot: Slot, op: BinaryOp, number: f64) -> Code {
     let (a, b, c) = (Reg(0), Reg(1), Reg(2));
-    let ops = vec![Op::Load(a, slot), Op::Constant(b, Value::Number(number)), Op::Binary(c, op, a, b)];
-    Code { origins: vec![Origin::NONE; 3], registers: 3, results: vec![c], ops }
+    let ops = Box::new([Op::Load(a, slot), Op::Constant(b, Value::Number(number)), Op::Binary(c, op, a, b)]);
+    Code { origins: Box::new([Origin::NONE; 3]), registers: 3, results: Box::new([c]), ops }
 }
 
 /// The code `random(low, high)`, followed by more numbers.
 pub(crate) fn random(low: f64, high: f64, place: u64) -> Code {
     let (a, b, c) = (Reg(0), Reg(1), Reg(2));
-    let ops = vec![
+    let ops = Box::new([
         Op::Constant(a, Value::Number(low)),
         Op::Constant(b, Value::Number(high)),
         Op::Draw { to: c, draw: Draw::Uniform, args: Box::new([a, b]), place },
-    ];
-    Code { origins: vec![Origin::NONE; 3], registers: 3, results: vec![c], ops }
+    ]);
+    Code { origins: Box::new([Origin::NONE; 3]), registers: 3, results: Box::new([c]), ops }
 }
 
 /// Builds graphs node by node.

@@ -7,8 +7,8 @@ use crate::form::{
 };
 
 fn code(ops: Vec<Op>, results: &[u16]) -> Code {
-    let origins = vec![Origin::NONE; ops.len()];
-    Code { ops, origins, registers: 4, results: results.iter().map(|it| Reg(*it)).collect() }
+    let origins = vec![Origin::NONE; ops.len()].into();
+    Code { ops: ops.into(), origins, registers: 4, results: results.iter().map(|it| Reg(*it)).collect() }
 }
 
 #[test]

@@ -56,8 +56,8 @@ fn what_stands_twice_in_one_place_looks_as_if_it_stood_there_once() {
                     let text = view(&format!("({shape} | {way} {shape})"));
                     let twice = picture_in(size, &text, by_the_book).unwrap();
                     let both = once.color.as_flattened().chunks(4).zip(twice.color.as_flattened().chunks(4));
-                    let is_other = |(a, b): &(&[f32], &[f32])| a.iter().zip(*b).any(|(a, b)| !((a - b).abs() < 2e-3));
-                    let others = both.filter(is_other).count();
+                    let is_alike = |(a, b): &(&[f32], &[f32])| a.iter().zip(*b).all(|(a, b)| (a - b).abs() < 2e-3);
+                    let others = both.filter(|it| !is_alike(it)).count();
                     if others > 0 {
                         wrong.push(format!("{others} pixels (by the book: {by_the_book}) of {text}"));
                     }

@@ -73,10 +73,10 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
     let beams = beams(camera, scene.image.width, scene.image.height);
     let together = arguments.together as usize;
     let (mut seen, mut some, mut light) = (Seen::default(), Seen::default(), Vec::new());
-    let mut look = |seen: &mut Seen| -> Result<(), RayFault> {
+    let mut look = |seen: &mut Seen| -> Result<(), String> {
         seen.clear();
         for beams in beams.chunks(together) {
-            tracer.look(beams, &mut some)?;
+            tracer.look(beams, &mut some).map_err(told)?;
             for fragments in some.rays() {
                 fragments.iter().for_each(|it| seen.push(it.clone()));
                 seen.end_ray();
@@ -84,16 +84,16 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
         }
         Ok(())
     };
-    look(&mut seen).map_err(|it| format!("{it:?}"))?;
+    look(&mut seen)?;
     let facing = seen.fragments().iter().filter(|it| it.normal.dot(sun) > 0.0);
     let shadow_beams: Vec<SurfaceBeam> = facing
         .map(|it| SurfaceBeam { beam: Beam::thin(Ray { origin: it.position, direction: sun }), from: it.site.clone() })
         .collect();
     let mut lit = 0;
-    let mut shade = || -> Result<(), RayFault> {
+    let mut shade = || -> Result<(), String> {
         lit = 0;
         for beams in shadow_beams.chunks(together) {
-            tracer.light(beams, &mut light)?;
+            tracer.light(beams, &mut light).map_err(told)?;
             lit += light.iter().filter(|it| **it > 0.0).count();
         }
         Ok(())
@@ -101,7 +101,7 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
     let mut times = Vec::new();
     for _ in 0..arguments.rounds {
         let (done, seconds) = timed(|| look(&mut seen).and_then(|()| shade()));
-        done.map_err(|it| format!("{it:?}"))?;
+        done?;
         times.push(seconds);
     }
     let mut times = times.split_off(1);
@@ -117,6 +117,10 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
         cpu_s,
         mrays_s_core: rays as f64 / cpu_s / 1e6,
     })
+}
+
+fn told(fault: RayFault) -> String {
+    format!("{fault:?}")
 }
 
 /// A beam without width through the middle of each pixel, sixteen at a time those of four by four pixels.

@@ -76,7 +76,7 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
     let mut look = |seen: &mut Seen| -> Result<(), String> {
         seen.clear();
         for beams in beams.chunks(together) {
-            tracer.look(beams, &mut some).map_err(told)?;
+            tracer.look(beams, &mut some).map_err(|it| told(&it))?;
             for fragments in some.rays() {
                 fragments.iter().for_each(|it| seen.push(it.clone()));
                 seen.end_ray();
@@ -93,7 +93,7 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
     let mut shade = || -> Result<(), String> {
         lit = 0;
         for beams in shadow_beams.chunks(together) {
-            tracer.light(beams, &mut light).map_err(told)?;
+            tracer.light(beams, &mut light).map_err(|it| told(&it))?;
             lit += light.iter().filter(|it| **it > 0.0).count();
         }
         Ok(())
@@ -119,7 +119,7 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
     })
 }
 
-fn told(fault: RayFault) -> String {
+fn told(fault: &RayFault) -> String {
     format!("{fault:?}")
 }
 
@@ -129,7 +129,7 @@ fn beams(camera: &Camera, width: u32, height: u32) -> Vec<Beam> {
     let right = forward.cross(camera.up).normalize();
     let up = right.cross(forward);
     let (span, parallel) = match camera.lens {
-        Lens::Perspective(fov) => (2.0 * (fov.to_radians() / 2.0).tan(), false),
+        Lens::Perspective(fov) => (2.0 * libm::tan(fov.to_radians() / 2.0), false),
         Lens::Orthographic(length) => (length, true),
     };
     let pixel = span / f64::from(width.min(height));

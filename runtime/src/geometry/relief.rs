@@ -187,7 +187,9 @@ impl Course<'_, '_> {
         if inside && !each(near.t, near.face, true) {
             return;
         }
-        let mut start = near.t;
+        // Whether it begins inside was asked a hair away: what lies before that is rounding.
+        let on_start = self.on_surface && near.t == 0.0;
+        let mut start = if on_start { self.relief.hair(self.ray).min(far.t) } else { near.t };
         if let Some(core) = &self.core {
             // On a way that is no longer than a grain it comes in, wherever.
             if core.near.t - start > self.grain && !self.between(start, core.near.t, &mut inside, &mut each) {

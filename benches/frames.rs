@@ -15,7 +15,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
-use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use treegen_compiler::Setting;
 use treegen_runtime::form::Scene;
@@ -25,10 +24,7 @@ use treegen_runtime::scan::Scanner;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::{Fault, Limits};
 
-use support::timed;
-
-/// The stack of the thread that works.
-const STACK_BYTES: usize = 256 << 20;
+use support::{median, pool, timed};
 
 #[derive(Parser)]
 struct Arguments {
@@ -90,8 +86,8 @@ struct Numbers {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
     let scene = support::scene(&arguments.file, &arguments.set)?;
-    let pool = ThreadPoolBuilder::new().num_threads(arguments.threads).stack_size(STACK_BYTES).build()?;
-    let numbers = pool.install(|| measure(&scene, &arguments)).map_err(|fault| format!("{fault:?}"))?;
+    let numbers =
+        pool(arguments.threads)?.install(|| measure(&scene, &arguments)).map_err(|fault| format!("{fault:?}"))?;
     println!("{}", serde_json::to_string(&numbers)?);
     Ok(())
 }
@@ -145,11 +141,6 @@ fn frames(frames: u32, prepare_cpu_s: f64, frame: impl Fn() -> Result<Picture, F
         cell_bytes: 0,
         peak_rss_mb: peak_rss_mb(),
     })
-}
-
-fn median(mut numbers: Vec<f64>) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    numbers[numbers.len() / 2]
 }
 
 /// Millions of rays a second.

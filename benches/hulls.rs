@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
-use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use treegen_compiler::Setting;
 use treegen_runtime::form::{Camera, Scene};
@@ -25,7 +24,7 @@ use treegen_runtime::picture::{RenderOptions, Stage, scan};
 use treegen_runtime::scan::Scanner;
 use treegen_runtime::{Fault, Limits};
 
-use support::timed;
+use support::{median, pool, timed};
 
 #[derive(Parser)]
 struct Arguments {
@@ -67,8 +66,7 @@ struct Rates {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
-    Ok(pool.install(|| run(&arguments).map_err(|it| it.to_string()))?)
+    Ok(pool(1)?.install(|| run(&arguments).map_err(|it| it.to_string()))?)
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
@@ -124,9 +122,8 @@ fn frames(scene_name: String, scene: &Scene, arguments: &Arguments) -> Result<Nu
         }
         times.push(seconds * 1e3);
     }
-    times.sort_by(f64::total_cmp);
-    let frame_ms = times[times.len() / 2];
-    let (frames, best_ms) = (arguments.frames, times[0]);
+    let (frames, best_ms) = (arguments.frames, times.iter().copied().fold(f64::INFINITY, f64::min));
+    let frame_ms = median(times);
     Ok(Numbers { scene: scene_name, frames, frame_ms, best_ms, frames_a_second: 1e3 / frame_ms, shadow })
 }
 

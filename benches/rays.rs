@@ -12,7 +12,6 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Parser;
-use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use treegen_compiler::Setting;
 use treegen_runtime::Limits;
@@ -21,10 +20,7 @@ use treegen_runtime::geometry::Ray;
 use treegen_runtime::trace::cells::{CellTracer, Culling};
 use treegen_runtime::trace::{Beam, RayFault, Seen, SurfaceBeam, Tracer};
 
-use support::timed;
-
-/// The stack of the thread that works.
-const STACK_BYTES: usize = 256 << 20;
+use support::{median, pool, timed};
 
 #[derive(Parser)]
 struct Arguments {
@@ -60,8 +56,7 @@ struct Numbers {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
     let scene = support::scene(&arguments.file, &arguments.set)?;
-    let pool = ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES).build()?;
-    let numbers = pool.install(|| measure(&scene, &arguments))?;
+    let numbers = pool(1)?.install(|| measure(&scene, &arguments))?;
     println!("{}", serde_json::to_string(&numbers)?);
     Ok(())
 }
@@ -104,9 +99,7 @@ fn measure(scene: &Scene, arguments: &Arguments) -> Result<Numbers, String> {
         done?;
         times.push(seconds);
     }
-    let mut times = times.split_off(1);
-    times.sort_by(f64::total_cmp);
-    let cpu_s = times[times.len() / 2];
+    let cpu_s = median(times.split_off(1));
     let rays = beams.len() + shadow_beams.len();
     Ok(Numbers {
         together: arguments.together,

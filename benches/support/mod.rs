@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use treegen_compiler::{Compiled, Loaded, Options, Setting, compile, show};
 use treegen_runtime::form::Scene;
 
@@ -39,6 +40,21 @@ pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = std::time::Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64())
+}
+
+/// So many threads that work, with the stacks that the command line gives them.
+///
+/// # Errors
+/// The system gives no threads.
+pub(crate) fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    const STACK_BYTES: usize = 256 << 20;
+    ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK_BYTES).build()
+}
+
+/// The median of some numbers, of which there is at least one.
+pub(crate) fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
 }
 
 /// A value for a parameter, as `name=value`.

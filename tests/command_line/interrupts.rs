@@ -15,6 +15,9 @@ const ENDING: &[&str] = if cfg!(target_os = "linux") { &["INT", "TERM", "HUP"] }
 /// Far more work than any test waits for.
 const LONG: &[&str] = &["a.tg", "--size", "8000x8000", "--samples", "64"];
 
+/// How long a run may go on after a signal, however busy the machine is.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// Starts a run, sends it a signal after a while, and waits for its end. Also how long it went on after the signal.
 fn stopped(folder: &Folder, arguments: &[&str], signal: &str, after: Duration) -> (ExitStatus, Duration) {
     let mut command = folder.command(arguments);
@@ -23,7 +26,16 @@ fn stopped(folder: &Folder, arguments: &[&str], signal: &str, after: Duration) -
     let sent = Instant::now();
     // The run may have ended by itself.
     let _ = Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).stderr(Stdio::null()).status();
-    (child.wait().unwrap(), sent.elapsed())
+    while sent.elapsed() < PATIENCE {
+        if let Some(status) = child.try_wait().unwrap() {
+            return (status, sent.elapsed());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // What is ignored at the start stays ignored: that is how `nohup` and shells keep what runs behind them going.
+    panic!("it goes on after {signal}; was this test itself started with that ignored?");
 }
 
 #[test]

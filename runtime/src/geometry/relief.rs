@@ -188,8 +188,7 @@ impl Course<'_, '_> {
             return;
         }
         // Whether it begins inside was asked a hair away: what lies before that is rounding.
-        let on_start = self.on_surface && near.t == 0.0;
-        let mut start = if on_start { self.relief.hair(self.ray).min(far.t) } else { near.t };
+        let mut start = self.hair_from_start().map_or(near.t, |hair| hair.min(far.t));
         if let Some(core) = &self.core {
             // On a way that is no longer than a grain it comes in, wherever.
             if core.near.t - start > self.grain && !self.between(start, core.near.t, &mut inside, &mut each) {
@@ -213,11 +212,16 @@ impl Course<'_, '_> {
     fn begins_inside(&self) -> bool {
         let near = self.whole.near;
         let gap = |t: f64| self.relief.gap(self.ray.at(t));
-        if self.on_surface && near.t == 0.0 {
+        if let Some(hair) = self.hair_from_start() {
             // It starts on the surface, to one side of it or to the other.
-            return gap(self.relief.hair(self.ray)) < 0.0;
+            return gap(hair) < 0.0;
         }
         near.face != SIDE && gap(near.t) <= 0.0
+    }
+
+    /// A hair from its start, if it starts on the surface.
+    fn hair_from_start(&self) -> Option<f64> {
+        (self.on_surface && self.whole.near.t == 0.0).then(|| self.relief.hair(self.ray))
     }
 
     /// The places between two others; false once no more are wanted.

@@ -90,7 +90,7 @@ impl<'s> Reference<'s> {
     fn see(&self, beam: &Beam, from: Option<&Site>, seen: &mut Seen) -> Result<(), Fault> {
         let ray = &beam.ray;
         let Walked { line, surfaces, .. } = self.walk(ray, from)?;
-        if let Some((t, surface, flipped)) = line.first_after(from.map_or(0.0, |_| beam.bias())) {
+        if let Some((t, surface, flipped)) = line.first_after(beam.bias(from)) {
             let surface = &surfaces[surface as usize];
             seen.push(surface.fragment(ray, t, flipped, &self.roughs));
             surface.standing.iter().for_each(|it| seen.paint(it.painted(t)));
@@ -130,7 +130,7 @@ impl Tracer for Reference<'_> {
         for (number, it) in beams.iter().enumerate() {
             let walked = self.walk(&it.beam.ray, Some(&it.from));
             let Walked { line, .. } = walked.map_err(|fault| RayFault { ray: number, fault })?;
-            light.push(if line.first_after(it.beam.bias()).is_some() { 0.0 } else { 1.0 });
+            light.push(if line.first_after(it.beam.bias(Some(&it.from))).is_some() { 0.0 } else { 1.0 });
         }
         Ok(())
     }

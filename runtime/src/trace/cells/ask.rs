@@ -287,8 +287,7 @@ pub(super) struct Ask<'q> {
 impl<'q> Ask<'q> {
     /// A question along a beam, and the surface that it starts on.
     pub(super) fn along(question: Question, beam: &Beam, from: Option<&'q Site>, notes: &'q mut Notes) -> Self {
-        let start = from.map_or(0.0, |_| beam.bias());
-        Self { from, start, ..Self::new(question, Girth::of(beam), notes) }
+        Self { from, start: beam.bias(from), ..Self::new(question, Girth::of(beam), notes) }
     }
 
     /// A question along a beam that starts on no surface.

@@ -202,9 +202,11 @@ impl Layout<'_, '_, '_> {
         self.cell.barks.extend(bark.map(|it| (part, it.clone())));
         let leaf_from_cell = inverse(&way.state_from_inner) * self.frame.state_from_cell();
         let (solid, bounds) = (primitive.is_solid(), primitive_bounds(&primitive, &way.state_from_inner));
-        let (leaf_from_cell, shape) = self.leaf_shape(primitive, leaf_from_cell);
-        let has_relief = bark.is_some_and(|it| it.hide.is_some());
-        let shape = if has_relief { LeafShape::Relief(self.cell.barks.len() as u32 - 1) } else { shape };
+        let (leaf_from_cell, shape) = if bark.is_some_and(|it| it.hide.is_some()) {
+            (leaf_from_cell, LeafShape::Relief(self.cell.barks.len() as u32 - 1))
+        } else {
+            self.leaf_shape(primitive, leaf_from_cell)
+        };
         let straight = is_straight(&leaf_from_cell.matrix3);
         self.cell.leaves.push(Leaf { leaf_from_cell, straight, shape, solid, part });
         (member, bounds)

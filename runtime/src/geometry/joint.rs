@@ -125,6 +125,11 @@ impl Joints {
         &self.joints
     }
 
+    /// How many parts the stem that was fitted last has at most.
+    pub(crate) fn most_parts(&self) -> usize {
+        self.links.len() + self.joints.iter().filter(|it| matches!(it, Joint::Ball(_))).count()
+    }
+
     /// Calls `each` with the parts of the stem that was fitted last, in order.
     pub fn parts(&self, stem: &Stem, mut each: impl FnMut(Part)) {
         let whole: f64 = self.links.iter().map(|it| it.length).sum();

@@ -45,7 +45,7 @@ pub(crate) struct Thing {
     pub(crate) outer_from_inner: DAffine3,
     /// The innermost paint on the way, and the frame in which it stands if its look depends on that.
     pub(crate) material: Option<MaterialId>,
-    pub(crate) outer_from_paint: Option<Box<DAffine3>>,
+    pub(crate) outer_from_paint: Option<Arc<DAffine3>>,
     pub(crate) route: Route,
     pub(crate) holds: Holds,
 }
@@ -147,7 +147,7 @@ impl Maker for Modeller {
                 let thing = Thing {
                     outer_from_inner: DAffine3::IDENTITY,
                     material,
-                    outer_from_paint: paint.map(Box::new),
+                    outer_from_paint: paint.map(Arc::new),
                     route: stem.route,
                     holds: Holds::Surface(Arc::clone(&surface), run, origin),
                 };

@@ -60,6 +60,15 @@ pub struct Group {
     pub items: Vec<Item>,
 }
 
+impl Group {
+    /// A frame for the next part to stand in, that of the last part if it is the same.
+    pub(super) fn shared(&self, frame: Option<DAffine3>) -> Option<Arc<DAffine3>> {
+        let frame = frame?;
+        let last = self.items.last().and_then(|it| it.group_from_paint.as_ref());
+        Some(last.filter(|it| ***it == frame).map_or_else(|| Arc::new(frame), Arc::clone))
+    }
+}
+
 /// One part of a [`Group`].
 #[derive(Clone, Debug)]
 pub struct Item {
@@ -67,8 +76,8 @@ pub struct Item {
     pub group_from_item: DAffine3,
     /// The innermost paint between the group and the part; what is inside the part and has its own paint keeps that.
     pub material: Option<MaterialId>,
-    /// The frame in which that paint stands, in the group's, if its look depends on it.
-    pub group_from_paint: Option<Box<DAffine3>>,
+    /// The frame in which that paint stands, in the group's, if its look depends on it. Neighbours of the same frame share it.
+    pub group_from_paint: Option<Arc<DAffine3>>,
     /// The choices and copies between the group and the part.
     pub route: Route,
     /// What it is.

@@ -239,7 +239,7 @@ impl<'e, 't, 's> Walk<'e, 't, 's> {
             .checked_sub(cost)
             .ok_or_else(|| Fault::new(FaultKind::Limit { limit: Limit::Nodes, most: u64::from(most) }, origin))?;
         let Here { group_from_here: group_from_item, material, group_from_paint, route, .. } = *here;
-        let group_from_paint = group_from_paint.map(Box::new);
+        let group_from_paint = group.shared(group_from_paint);
         group.items.push(Item { group_from_item, material, group_from_paint, route, solid });
         Ok(())
     }
@@ -291,7 +291,7 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
         self.group.items.push(Item {
             group_from_item: self.here.group_from_here * part.stem_from_part,
             material: part.material.or(self.here.material),
-            group_from_paint: self.group_from_paint(part.material).map(Box::new),
+            group_from_paint: self.group.shared(self.group_from_paint(part.material)),
             route: self.here.route.then(route),
             solid: Solid::Leaf { primitive: part.primitive, origin: part.origin, bark },
         });
@@ -310,6 +310,8 @@ impl shapes::Taker for InGroup<'_, '_, '_, '_> {
 
     fn stem(&mut self, stem: &Stem, joints: &Joints) -> Result<(), Fault> {
         if self.walk.stems.is_none() {
+            // What grows by doubling takes twice as much for a while.
+            self.group.items.reserve(joints.most_parts());
             return shapes::each_part(self, stem, joints);
         }
         let (mut parts, mut group_from_paint) = (Vec::new(), Vec::new());

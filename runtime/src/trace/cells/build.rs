@@ -261,7 +261,10 @@ impl Layout<'_, '_, '_> {
         self.cell.parts.push(Part { member, material, route, frozen, origin, levels });
         if let Some(state_from_paint) = way.state_from_paint {
             let paint_from_cell = inverse(&state_from_paint) * self.frame.state_from_cell();
-            self.cell.painted.push((part, paint_from_cell));
+            if self.cell.paints.last() != Some(&paint_from_cell) {
+                self.cell.paints.push(paint_from_cell);
+            }
+            self.cell.painted.push((part, self.cell.paints.len() as u32 - 1));
         }
         part
     }

@@ -84,8 +84,10 @@ pub(super) struct Cell {
     pub(super) booleans: Vec<Boolean>,
     /// By number of the part: what a hit needs to know.
     pub(super) parts: Vec<Part>,
-    /// The ways to the frames in which paints stand, of the parts whose look depends on that, by number of the part.
-    pub(super) painted: Vec<(u32, DAffine3)>,
+    /// The frames in which paints stand, numbers in `paints`, of the parts whose look depends on that, by number of the part.
+    pub(super) painted: Vec<(u32, u32)>,
+    /// The ways to these frames. Neighbours of the same frame share it.
+    pub(super) paints: Vec<DAffine3>,
     /// The barks of parts of stems, by number of the part.
     pub(super) barks: Vec<(u32, Bark)>,
     /// How many states inside one another the cell goes through at most, those of its instances included.
@@ -207,6 +209,7 @@ impl Default for Cell {
             booleans: Vec::new(),
             parts: Vec::new(),
             painted: Vec::new(),
+            paints: Vec::new(),
             barks: Vec::new(),
             levels: 0,
             bounds: Aabb::EMPTY,
@@ -218,7 +221,7 @@ impl Cell {
     /// The way to the frame in which the paint of a part stands, if its look depends on that.
     pub(super) fn paint_from_cell(&self, part: u32) -> Option<&DAffine3> {
         let at = self.painted.binary_search_by_key(&part, |it| it.0).ok()?;
-        Some(&self.painted[at].1)
+        self.paints.get(self.painted[at].1 as usize)
     }
 
     /// The bark of a part of a stem, if it is asked for.
@@ -472,6 +475,7 @@ impl Cell {
         self.booleans.shrink_to_fit();
         self.parts.shrink_to_fit();
         self.painted.shrink_to_fit();
+        self.paints.shrink_to_fit();
         self.barks.shrink_to_fit();
         self
     }
@@ -496,6 +500,7 @@ impl Cell {
             + size_of_val(&*self.booleans)
             + size_of_val(&*self.parts)
             + size_of_val(&*self.painted)
+            + size_of_val(&*self.paints)
             + size_of_val(&*self.barks)
             + always
     }

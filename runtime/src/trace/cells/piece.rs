@@ -1,5 +1,7 @@
 //! What a state expands to, with the states in it by number.
 
+use std::sync::Arc;
+
 use glam::DAffine3;
 
 use crate::form::{MaterialId, Origin};
@@ -12,7 +14,7 @@ pub(super) struct Piece {
     pub(super) outer_from_inner: DAffine3,
     pub(super) material: Option<MaterialId>,
     /// The frame in which that paint stands, if its look depends on it.
-    pub(super) outer_from_paint: Option<Box<DAffine3>>,
+    pub(super) outer_from_paint: Option<Arc<DAffine3>>,
     pub(super) route: Route,
     pub(super) shape: Shape,
 }

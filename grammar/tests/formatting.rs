@@ -250,6 +250,8 @@ fn what_stands_in_a_column_stays_in_one() {
     let numbers = "csg A {\nstart move( 1,  2,  3) a\n    | move(-1, -2, -3) b; }";
     let set = "csg A {\n  start move( 1,  2,  3) a\n      | move(-1, -2, -3) b;\n}\n";
     assert_eq!(check(numbers), set);
+    // A tab in a comment is as wide where it is written as where it is read.
+    assert_eq!(check("csg A { /* a\tb */ start c; } // end\n"), "csg A { /* a\tb */ start c; }  // end\n");
     // A gap that brings nothing into a column is a slip.
     assert_eq!(check("let a   = 1;\n\nlet b = 1;\n"), "let a = 1;\n\nlet b = 1;\n");
 }

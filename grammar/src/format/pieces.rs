@@ -68,10 +68,7 @@ pub(super) struct Pieces<'a> {
 impl Piece<'_> {
     /// Where the line goes on behind it if it begins in this column.
     pub(super) fn end_column(&self, column: usize) -> usize {
-        match self.text.rsplit_once('\n') {
-            Some((_, last)) => last.chars().count(),
-            None => column + self.text.chars().count(),
-        }
+        column_behind(self.text, column)
     }
 
     /// The token, if it is one.
@@ -212,25 +209,13 @@ impl<'a> Reader<'a> {
         matches!(first, Some(Token::Csg | Token::Shape | Token::Hull | Token::Scene | Token::Priority))
     }
 
-    /// Goes on in the line, or to the last line of what is read.
-    fn advance(&mut self, read: &str) {
-        let last = read.rsplit_once('\n').map(|it| it.1);
-        if last.is_some() {
-            self.column = 0;
-        }
-        for letter in last.unwrap_or(read).chars() {
-            self.column += if letter == '\t' { TAB - self.column % TAB } else { 1 };
-        }
-    }
-
     fn push(&mut self, kind: Kind, start: u32, end: u32, role: Role) {
         let (start, end) = (start as usize, end as usize);
         let gap = self.text.get(self.read..start).unwrap_or_default();
         let lines_before = gap.matches('\n').count();
-        self.advance(gap);
-        let column = self.column;
+        let column = column_behind(gap, self.column);
         let written = self.text.get(start..end).unwrap_or_default();
-        self.advance(written);
+        self.column = column_behind(written, column);
         self.read = end;
         let text = if matches!(kind, Kind::LineComment) { written.trim_end() } else { written };
         let (depth, block) = (self.open.len(), self.statements.len() - 1);
@@ -238,6 +223,12 @@ impl<'a> Reader<'a> {
         self.all.push(Piece { text, kind, lines_before, column, depth, around, block, role });
         self.partner.push(None);
     }
+}
+
+/// The column in which a line goes on, or the last of the lines, behind a text that begins in a column.
+fn column_behind(text: &str, column: usize) -> usize {
+    let (start, last) = text.rsplit_once('\n').map_or((column, text), |(_, last)| (0, last));
+    last.chars().fold(start, |at, letter| at + if letter == '\t' { TAB - at % TAB } else { 1 })
 }
 
 /// Where the square brackets of walks begin: with others they share only their shape.

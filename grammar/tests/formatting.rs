@@ -131,6 +131,8 @@ fn scattered(text: &str, numbers: &mut Numbers) -> String {
             (4, 3) => "     ",
             (5, _) => "  ",
             (6, 3) => "\n      ",
+            (7, 0) => "\t/* a\tb */\t",
+            (8, 0) => " /*\n\tc\td */ ",
             _ if needs_blank(&out, piece) => " ",
             _ => "",
         };

@@ -33,7 +33,7 @@ const MOST_TEXELS: f64 = (1u32 << 25) as f64;
 const MOST_SIDE: f64 = 4096.0;
 /// How many they have at most in a picture of no pixels, and how many more for each: where what casts shadows is far larger than what is seen,
 /// a small picture shall not take as long as a large one.
-const LEAST_TEXELS: f64 = (1u32 << 20) as f64;
+const LEAST_TEXELS: f64 = (1u32 << 18) as f64;
 const FOR_A_PIXEL: f64 = 128.0;
 /// How many texels lie side by side in a pixel of the picture, where that is near.
 const FINE: f64 = 2.0;

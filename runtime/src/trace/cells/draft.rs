@@ -80,7 +80,7 @@ pub(super) fn draft(shop: &mut Workshop, pieces: &[Piece], way: Way, drafts: &mu
     for piece in pieces {
         let way = way.to_piece(piece);
         let shape = match &piece.shape {
-            Shape::Leaf(primitive, origin, bark) => Outline::Leaf((**primitive).clone(), *origin, bark.clone()),
+            Shape::Leaf(primitive, origin, bark) => Outline::Leaf(primitive.clone(), *origin, bark.clone()),
             Shape::Instance(state, origin) => {
                 draft_state(shop, *state, *origin, way, drafts)?;
                 continue;

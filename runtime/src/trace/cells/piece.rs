@@ -23,7 +23,7 @@ pub(super) struct Piece {
 #[derive(Debug)]
 pub(super) enum Shape {
     /// A primitive, its place in the text, and what is known of its rind.
-    Leaf(Box<Primitive>, Origin, Option<Box<Bark>>),
+    Leaf(Primitive, Origin, Option<Box<Bark>>),
     /// A state by number, and the place of the call.
     Instance(u32, Origin),
     /// What lies in all of these.
@@ -43,7 +43,7 @@ impl Piece {
         let Item { group_from_item: outer_from_inner, material, group_from_paint: outer_from_paint, route, solid } =
             item;
         let shape = match solid {
-            Solid::Leaf { primitive, origin, bark } => Shape::Leaf(Box::new(primitive), origin, bark),
+            Solid::Leaf { primitive, origin, bark } => Shape::Leaf(primitive, origin, bark),
             Solid::Instance(state, origin) => Shape::Instance(number(state), origin),
             Solid::Intersect(operands) => {
                 Shape::Intersect(operands.into_iter().map(|it| Self::of_group(number, it).into()).collect())
@@ -59,9 +59,7 @@ impl Piece {
     /// About how many bytes some pieces take.
     pub(super) fn bytes(pieces: &[Self]) -> usize {
         let of = |piece: &Self| match &piece.shape {
-            Shape::Leaf(primitive, _, bark) => {
-                size_of::<Primitive>() + primitive.bytes_apart() + bark.as_deref().map_or(0, size_of_val)
-            }
+            Shape::Leaf(primitive, _, bark) => primitive.bytes_apart() + bark.as_deref().map_or(0, size_of_val),
             Shape::Instance(..) => 0,
             Shape::Intersect(operands) | Shape::Difference(operands) => {
                 operands.iter().map(|it| Self::bytes(it) + size_of_val(it)).sum()

@@ -1,5 +1,10 @@
 //! What is written: all of it or nothing, and only where it was asked for.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
 use crate::support::{FRACTAL, Folder, SPHERE, pixels, texts};
 
 #[test]
@@ -38,6 +43,34 @@ fn a_picture_tells_what_made_it() {
     assert_eq!(of("Source SHA-256").map(str::len), Some(64));
     let other_order = ["--samples", "1", "--seed", "7", "--set", "Fractal.order=2", "--set", "size=.5"];
     assert_eq!(run(&other_order), texts);
+}
+
+/// Of a program that uses no files, the hash in a picture is that of its text. Whoever changes such a program has to draw it anew.
+#[test]
+fn the_pictures_of_the_gallery_and_the_documents_are_of_the_programs_as_they_are() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = |folder: &str, extension: &str| -> Vec<PathBuf> {
+        let paths = fs::read_dir(root.join(folder)).unwrap().map(|it| it.unwrap().path());
+        paths.filter(|it| it.extension().is_some_and(|it| it == extension)).collect()
+    };
+    let name = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    let pictures: Vec<PathBuf> = ["examples", "docs/figures"].into_iter().flat_map(|it| files(it, "png")).collect();
+    let mut count = 0;
+    for program in files("examples", "tg") {
+        let text = fs::read_to_string(&program).unwrap();
+        if text.contains('"') {
+            continue;
+        }
+        let hash: String = Sha256::digest(&text).iter().map(|it| format!("{it:02x}")).collect();
+        // `sierpinski.png`, and `sierpinski-heat-6.png` of the same program.
+        for picture in pictures.iter().filter(|it| name(it).split('-').next() == Some(&*name(&program))) {
+            let texts = texts(&fs::read(picture).unwrap());
+            let told = texts.iter().find(|it| it.0 == "Source SHA-256").map(|it| it.1.as_str());
+            assert_eq!(told, Some(&*hash), "{}", picture.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 20, "{count} pictures");
 }
 
 #[test]

@@ -27,8 +27,23 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// Its operations.
     type Lanes: Simd<f64s = f64x8, u64s = u64x8, f32s = f32x16, u32s = u32x16>;
 
+    /// Its operations on one register, for what should stay in registers: a register of sixteen numbers or a part of one.
+    type Register: Simd;
+
     /// What the operations are called on.
     fn lanes(self) -> Self::Lanes;
+
+    /// What the operations on one register are called on.
+    fn register(self) -> Self::Register;
+
+    /// The lanes of a register that are set, one bit each.
+    fn register_bits(self, mask: <Self::Register as Simd>::m32s) -> u32;
+
+    /// The registers that sixteen numbers fill.
+    #[inline(always)]
+    fn registers(numbers: &f32x16) -> &[<Self::Register as Simd>::f32s] {
+        bytemuck::cast_slice(std::slice::from_ref(numbers))
+    }
 
     /// The lanes that are set, one bit each.
     fn bits(self, mask: <Self::Lanes as Simd>::m64s) -> u32;

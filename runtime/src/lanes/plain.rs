@@ -10,10 +10,21 @@ pub(crate) struct Plain;
 
 impl Kernel for Plain {
     type Lanes = pulp::Scalar512b;
+    type Register = pulp::Scalar512b;
 
     #[inline(always)]
     fn lanes(self) -> Self::Lanes {
         pulp::Scalar512b
+    }
+
+    #[inline(always)]
+    fn register(self) -> Self::Register {
+        pulp::Scalar512b
+    }
+
+    #[inline(always)]
+    fn register_bits(self, mask: pulp::m32x16) -> u32 {
+        self.bits16(mask)
     }
 
     #[inline(always)]

@@ -8,10 +8,21 @@ use super::{EACH, EACH16, EIGHT, Kernel};
 
 impl Kernel for V4 {
     type Lanes = Self;
+    type Register = Self;
 
     #[inline(always)]
     fn lanes(self) -> Self {
         self
+    }
+
+    #[inline(always)]
+    fn register(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn register_bits(self, mask: pulp::b16) -> u32 {
+        u32::from(mask.0)
     }
 
     #[inline(always)]
@@ -136,10 +147,21 @@ impl Kernel for V4 {
 
 impl Kernel for V3 {
     type Lanes = V3_512b;
+    type Register = Self;
 
     #[inline(always)]
     fn lanes(self) -> V3_512b {
         V3_512b(self)
+    }
+
+    #[inline(always)]
+    fn register(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn register_bits(self, mask: pulp::m32x8) -> u32 {
+        self.avx._mm256_movemask_ps(cast(mask)) as u32
     }
 
     #[inline(always)]

@@ -20,7 +20,7 @@ use pulp::{Simd, f32x16};
 
 use super::ray::Locals;
 use crate::geometry::Aabb;
-use crate::lanes::{Kernel, Wide3, abs16, select16};
+use crate::lanes::{Kernel, Wide3, abs16, lanes_of, negative16, select16};
 
 /// Boxes in a node.
 pub(super) const WIDTH: usize = 16;
@@ -143,18 +143,20 @@ pub(super) fn meet<K: Kernel>(kernel: K, node: &Node, ray: &BoxRay, from: f32, t
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct BoxRays {
-    origin: [f32x16; 3],
     inverse: [f32x16; 3],
+    /// Where each ray meets the plane through the centre of the frame, on each axis: what is added for the one through a place.
+    shift: [f32x16; 3],
     /// What all rays that count have in common on each axis.
     spans: [Span; 3],
+    /// Whether some of the rays go one way on an axis and some the other.
+    mixed: bool,
 }
 
 /// The planes of a node's boxes that rays meet first and last on each axis.
+#[derive(Clone, Copy)]
 pub(super) struct Sides<'n> {
     first: [&'n [f32; WIDTH]; 3],
     last: [&'n [f32; WIDTH]; 3],
-    /// Whether some of the rays go one way on an axis and some the other: then they are so for some alone.
-    mixed: bool,
 }
 
 /// Within what bounds the rays of a packet lie on an axis.
@@ -166,15 +168,13 @@ struct Span {
     inverse: (f32, f32),
     /// As in [`BoxRay`].
     upper: u8,
-    /// Whether all of them go the same way; else nothing can be said.
-    one_way: bool,
 }
 
 impl BoxRays {
     /// No rays: to be filled.
     pub(super) const BLANK: Self = {
         let zero = f32x16(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        Self { origin: [zero; 3], inverse: [zero; 3], spans: [Span::BLANK; 3] }
+        Self { inverse: [zero; 3], shift: [zero; 3], spans: [Span::ANY; 3], mixed: true }
     };
 
     /// Of rays with directions of about length 1, of which those of `mask` count.
@@ -184,11 +184,13 @@ impl BoxRays {
         let [x, y, z] = narrow(kernel, low.direction, high.direction);
         let inverse = [inverse_of(kernel, x), inverse_of(kernel, y), inverse_of(kernel, z)];
         let origin = narrow(kernel, low.origin, high.origin);
-        let mut spans = [Span::BLANK; 3];
+        let (mut shift, mut spans, mut mixed) = (origin, [Span::ANY; 3], false);
         for axis in 0..3 {
+            shift[axis] = shifted(lanes, origin[axis], inverse[axis]);
             spans[axis] = Span::new(reach(lanes, mask, origin[axis]), reach(lanes, mask, inverse[axis]));
+            mixed |= !spans[axis].is_one_way();
         }
-        Self { origin, inverse, spans }
+        Self { inverse, shift, spans, mixed }
     }
 
     /// Of rays with the same directions as these from other origins.
@@ -196,28 +198,39 @@ impl BoxRays {
     pub(super) fn moved<K: Kernel>(&self, kernel: K, [low, high]: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
         let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
         let origin = narrow(kernel, low.origin, high.origin);
-        let mut spans = self.spans;
+        let (mut shift, mut spans) = (origin, self.spans);
         for axis in 0..3 {
+            shift[axis] = shifted(lanes, origin[axis], self.inverse[axis]);
             // The directions of fewer rays lie within the same bounds.
-            spans[axis] = Span::new(reach(lanes, mask, origin[axis]), spans[axis].inverse);
+            if spans[axis].is_one_way() {
+                spans[axis] = Span::new(reach(lanes, mask, origin[axis]), spans[axis].inverse);
+            }
         }
-        Self { origin, inverse: self.inverse, spans }
+        Self { shift, spans, ..*self }
+    }
+
+    /// The planes of a node's boxes, in the order in which the rays meet them.
+    #[inline(always)]
+    pub(super) fn sides<'n>(&self, node: &'n Node) -> Sides<'n> {
+        let mut sides = Sides { first: [&node.planes[0]; 3], last: [&node.planes[0]; 3] };
+        for (axis, span) in self.spans.iter().enumerate() {
+            let (lower, upper) = (&node.planes[axis], &node.planes[axis + 3]);
+            (sides.first[axis], sides.last[axis]) = if span.upper == 0 { (lower, upper) } else { (upper, lower) };
+        }
+        sides
     }
 
     /// The boxes of a node that some of the rays may meet between two places, and a place before which none comes in.
     ///
     /// A box is left out only where every ray by itself would leave it out.
     #[inline(always)]
-    pub(super) fn may_meet<K: Kernel>(&self, kernel: K, node: &Node, from: f32, to: f32) -> Met {
+    pub(super) fn may_meet<K: Kernel>(&self, kernel: K, node: &Node, sides: &Sides, from: f32, to: f32) -> Met {
         let lanes = kernel.lanes();
         let (mut near, mut far) = (lanes.splat_f32s(from), lanes.splat_f32s(to));
-        for (axis, span) in self.spans.iter().enumerate() {
-            if !span.one_way {
-                continue;
-            }
-            let upper = usize::from(span.upper);
-            let first = lanes.sub_f32s(node.planes(axis + upper), lanes.splat_f32s(span.first));
-            let last = lanes.sub_f32s(node.planes(axis + 3 - upper), lanes.splat_f32s(span.last));
+        for axis in 0..3 {
+            let span = &self.spans[axis];
+            let first = lanes.sub_f32s(pulp::cast(*sides.first[axis]), lanes.splat_f32s(span.first));
+            let last = lanes.sub_f32s(pulp::cast(*sides.last[axis]), lanes.splat_f32s(span.last));
             let (a, b) = (lanes.splat_f32s(span.inverse.0), lanes.splat_f32s(span.inverse.1));
             near = lanes.max_f32s(near, lanes.min_f32s(lanes.mul_f32s(first, a), lanes.mul_f32s(first, b)));
             far = lanes.min_f32s(far, lanes.max_f32s(lanes.mul_f32s(last, a), lanes.mul_f32s(last, b)));
@@ -228,47 +241,100 @@ impl BoxRays {
         (kernel.bits16(met), pulp::cast(near))
     }
 
-    /// The planes of a node's boxes, in the order in which the rays meet them.
+    /// Which of some rays meet some boxes of a node between two places on each, by box.
     #[inline(always)]
-    pub(super) fn sides<'n>(&self, node: &'n Node) -> Sides<'n> {
-        let mut sides = Sides { first: [&node.planes[0]; 3], last: [&node.planes[0]; 3], mixed: false };
-        for (axis, span) in self.spans.iter().enumerate() {
-            let (lower, upper) = (&node.planes[axis], &node.planes[axis + 3]);
-            (sides.first[axis], sides.last[axis]) = if span.upper == 0 { (lower, upper) } else { (upper, lower) };
-            sides.mixed |= !span.one_way;
-        }
-        sides
-    }
-
-    /// The rays that meet the box of a lane between two places on each.
-    #[inline(always)]
-    pub(super) fn meet<K: Kernel>(&self, kernel: K, sides: &Sides, lane: usize, from: f32x16, to: f32x16) -> u32 {
-        let lanes = kernel.lanes();
-        let (mut near, mut far) = (from, to);
-        for axis in 0..3 {
-            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
-            let first = lanes.sub_f32s(lanes.splat_f32s(sides.first[axis][lane]), origin);
-            let last = lanes.sub_f32s(lanes.splat_f32s(sides.last[axis][lane]), origin);
-            let (mut first, mut last) = (lanes.mul_f32s(first, inverse), lanes.mul_f32s(last, inverse));
-            if sides.mixed {
-                (first, last) = (lanes.min_f32s(first, last), lanes.max_f32s(first, last));
+    pub(super) fn meet<K: Kernel>(
+        &self,
+        kernel: K,
+        sides: &Sides,
+        boxes: u32,
+        rays: u32,
+        (from, to): (&f32x16, &f32x16),
+    ) -> [u32; WIDTH] {
+        let count = <K::Register as Simd>::F32_LANES;
+        let mut met = [0; WIDTH];
+        for part in 0..WIDTH / count {
+            // Half of the rays of a packet are often somewhere else.
+            let here = rays >> (part * count) & ((1_u64 << count) - 1) as u32;
+            if here == 0 {
+                continue;
             }
-            near = lanes.max_f32s(near, first);
-            far = lanes.min_f32s(far, last);
+            let part = Part {
+                kernel,
+                inverse: [0, 1, 2].map(
+                    #[inline(always)]
+                    |axis| K::registers(&self.inverse[axis])[part],
+                ),
+                shift: [0, 1, 2].map(
+                    #[inline(always)]
+                    |axis| K::registers(&self.shift[axis])[part],
+                ),
+                from: K::registers(from)[part],
+                to: K::registers(to)[part],
+                rays: here,
+                first: part * count,
+            };
+            if self.mixed {
+                part.meet::<true>(sides, boxes, &mut met);
+            } else {
+                part.meet::<false>(sides, boxes, &mut met);
+            }
         }
-        kernel.bits16(lanes.less_than_or_equal_f32s(near, far))
+        met
     }
 
-    /// The ray of a lane.
+    /// The ray of a lane, whose origin is this.
     #[inline(always)]
-    pub(super) fn ray(&self, lane: usize) -> BoxRay {
-        let (mut origin, mut inverse) = ([0.0; 3], [0.0; 3]);
+    pub(super) fn ray(&self, lane: usize, origin: DVec3) -> BoxRay {
+        let mut inverse = [0.0; 3];
         for axis in 0..3 {
-            origin[axis] = bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(&self.origin[axis])[lane];
             inverse[axis] = bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(&self.inverse[axis])[lane];
         }
+        let origin = [origin.x as f32, origin.y as f32, origin.z as f32];
         BoxRay { origin, inverse, upper: [upper(inverse[0]), upper(inverse[1]), upper(inverse[2])] }
     }
+}
+
+/// As many of sixteen rays as a register holds.
+struct Part<K: Kernel> {
+    kernel: K,
+    inverse: [<K::Register as Simd>::f32s; 3],
+    shift: [<K::Register as Simd>::f32s; 3],
+    from: <K::Register as Simd>::f32s,
+    to: <K::Register as Simd>::f32s,
+    /// Those that count, one bit each, and the number of the first.
+    rays: u32,
+    first: usize,
+}
+
+impl<K: Kernel> Part<K> {
+    /// Adds which of the rays meet some boxes.
+    #[inline(always)]
+    fn meet<const MIXED: bool>(&self, sides: &Sides, boxes: u32, met: &mut [u32; WIDTH]) {
+        let lanes = self.kernel.register();
+        for number in lanes_of(boxes) {
+            let number = number % WIDTH;
+            let (mut near, mut far) = (self.from, self.to);
+            for axis in 0..3 {
+                let (inverse, shift) = (self.inverse[axis], self.shift[axis]);
+                let mut first = lanes.mul_add_e_f32s(lanes.splat_f32s(sides.first[axis][number]), inverse, shift);
+                let mut last = lanes.mul_add_e_f32s(lanes.splat_f32s(sides.last[axis][number]), inverse, shift);
+                if MIXED {
+                    (first, last) = (lanes.min_f32s(first, last), lanes.max_f32s(first, last));
+                }
+                near = lanes.max_f32s(near, first);
+                far = lanes.min_f32s(far, last);
+            }
+            let bits = self.kernel.register_bits(lanes.less_than_or_equal_f32s(near, far));
+            met[number] |= (bits & self.rays) << self.first;
+        }
+    }
+}
+
+/// Where rays meet the plane through the centre of their frame.
+#[inline(always)]
+fn shifted<S: Simd<f32s = f32x16>>(lanes: S, origin: f32x16, inverse: f32x16) -> f32x16 {
+    negative16(lanes, lanes.mul_f32s(origin, inverse))
 }
 
 /// Sixteen vectors in single precision.
@@ -293,16 +359,25 @@ fn inverse_of<K: Kernel>(kernel: K, direction: f32x16) -> f32x16 {
 }
 
 impl Span {
-    const BLANK: Self = Self { first: 0.0, last: 0.0, inverse: (0.0, 0.0), upper: 0, one_way: false };
+    /// Of rays that go both ways: nothing can be said, so each plane is met before all places, and after all.
+    const ANY: Self = Self { first: f32::INFINITY, last: f32::NEG_INFINITY, inverse: (1.0, 1.0), upper: 0 };
 
     /// Of origins and inverses between these bounds.
     #[inline(always)]
     fn new((low, high): (f32, f32), inverse: (f32, f32)) -> Self {
-        let one_way = inverse.0 > 0.0 || inverse.1 < 0.0;
-        let upper = upper(inverse.1);
-        // Rays that go up meet a plane the earlier the higher they start.
-        let (first, last) = if upper == 0 { (high, low) } else { (low, high) };
-        Self { first, last, inverse, upper, one_way }
+        if inverse.0 > 0.0 {
+            // Rays that go up meet a plane the earlier the higher they start.
+            Self { first: high, last: low, inverse, upper: 0 }
+        } else if inverse.1 < 0.0 {
+            Self { first: low, last: high, inverse, upper: 3 }
+        } else {
+            Self::ANY
+        }
+    }
+
+    #[inline(always)]
+    fn is_one_way(&self) -> bool {
+        self.first < f32::INFINITY
     }
 }
 

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 mod boolean;
 
 use super::ask::{Found, Mark, NONE, Notes, Question, start_part};
-use super::boxes::{BoxRays, Met, Node, Opened, WIDTH};
+use super::boxes::{BoxRays, Node, Opened, WIDTH};
 use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::company::{Answer, Halves, Packet, PacketAsk, RAYS};
 use super::ending::{Met as Ended, ending};
@@ -293,21 +293,18 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         let number = self.scratch.depth as u32 - 1;
         let (kernel, cell) = (self.tracing.kernel, frame.cell);
-        let (bits, near): Met = if self.tracing.cull {
-            frame.rays.boxes.may_meet(kernel, node, frame.from_least, frame.to_most)
-        } else {
-            (node.lanes(), [f32::NEG_INFINITY; WIDTH])
-        };
         let mut met = Opened::default();
         let rays = rays & self.ask.asking;
-        let sides = frame.rays.boxes.sides(node);
-        for lane in lanes_of(bits) {
-            let meeting = if self.tracing.cull {
-                rays & frame.rays.boxes.meet(kernel, &sides, lane, frame.rays.from, frame.rays.to)
-            } else {
-                rays
-            };
-            met.add(lane, near[lane], meeting);
+        let mut near = [f32::NEG_INFINITY; WIDTH];
+        if self.tracing.cull {
+            let (boxes, Rays { from, to, .. }) = (&frame.rays.boxes, &frame.rays);
+            let sides = boxes.sides(node);
+            let bits;
+            (bits, near) = boxes.may_meet(kernel, node, &sides, frame.from_least, frame.to_most);
+            let meeting = boxes.meet(kernel, &sides, bits, rays, (from, to));
+            lanes_of(bits).for_each(|it| met.add(it, near[it], meeting[it]));
+        } else {
+            lanes_of(node.lanes()).for_each(|it| met.add(it, near[it], rays));
         }
         if self.ask.question != Question::Any {
             met.sort();
@@ -657,7 +654,7 @@ impl<'g, K: Kernel> Frame<'g, K> {
         let Way { state, called, trail, position, levels, unit, paint } = self.way;
         let local: Local = self.rays.local[ray / EIGHT].ray(ray % EIGHT);
         let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
-        let boxes = self.rays.boxes.ray(ray);
+        let boxes = self.rays.boxes.ray(ray, local.origin);
         Passage { state, called, ray: local, boxes, from, trail, position, levels, unit, paint }
     }
 

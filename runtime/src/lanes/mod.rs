@@ -39,10 +39,45 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// The lanes of a register that are set, one bit each.
     fn register_bits(self, mask: <Self::Register as Simd>::m32s) -> u32;
 
+    /// The lanes of a register of double precision that are set, one bit each.
+    fn wide_bits(self, mask: <Self::Register as Simd>::m64s) -> u32;
+
+    /// The lanes of a register of double precision whose bits are set.
+    fn wide_mask(self, bits: u32) -> <Self::Register as Simd>::m64s;
+
+    /// How many numbers of double precision a register holds,
+    const WIDE: usize = <Self::Register as Simd>::F64_LANES;
+    /// and how many registers hold one for each ray of sixteen.
+    const PARTS: usize = SIXTEEN / Self::WIDE;
+
     /// The registers that sixteen numbers fill.
     #[inline(always)]
     fn registers(numbers: &f32x16) -> &[<Self::Register as Simd>::f32s] {
         bytemuck::cast_slice(std::slice::from_ref(numbers))
+    }
+
+    /// The registers that eight numbers fill, or several times eight.
+    #[inline(always)]
+    fn wide(numbers: &[f64x8]) -> &[<Self::Register as Simd>::f64s] {
+        bytemuck::cast_slice(numbers)
+    }
+
+    /// As [`Kernel::wide`], to be changed.
+    #[inline(always)]
+    fn wide_mut(numbers: &mut [f64x8]) -> &mut [<Self::Register as Simd>::f64s] {
+        bytemuck::cast_slice_mut(numbers)
+    }
+
+    /// The registers that eight whole numbers fill, or several times eight, to be changed.
+    #[inline(always)]
+    fn whole_mut(numbers: &mut [u64x8]) -> &mut [<Self::Register as Simd>::u64s] {
+        bytemuck::cast_slice_mut(numbers)
+    }
+
+    /// What rays of a register have of the bits of sixteen.
+    #[inline(always)]
+    fn bits_of_part(bits: u32, part: usize) -> u32 {
+        bits >> (part * Self::WIDE) & ((1 << Self::WIDE) - 1)
     }
 
     /// The lanes that are set, one bit each.

@@ -28,6 +28,16 @@ impl Kernel for Plain {
     }
 
     #[inline(always)]
+    fn wide_bits(self, mask: pulp::m64x8) -> u32 {
+        self.bits(mask)
+    }
+
+    #[inline(always)]
+    fn wide_mask(self, bits: u32) -> pulp::m64x8 {
+        self.mask(bits)
+    }
+
+    #[inline(always)]
     fn bits(self, mask: pulp::m64x8) -> u32 {
         let lanes: [u64; 8] = pulp::cast(mask);
         lanes.iter().enumerate().fold(0, |bits, (lane, it)| bits | u32::from(*it != 0) << lane)

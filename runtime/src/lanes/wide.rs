@@ -5,7 +5,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use glam::{DAffine3, DMat3, DVec3};
 use pulp::{Simd, f64x8};
 
-use super::One;
+use super::{Kernel, One};
 
 /// A number a lane.
 #[derive(Clone, Copy)]
@@ -195,6 +195,12 @@ impl<S: Simd<f64s = f64x8>> Wide<S> {
         bytemuck::cast_mut::<[f64; 16], [f64x8; 2]>(column)[half] = self.value;
     }
 
+    /// As many of the eight numbers as a register holds.
+    #[inline(always)]
+    pub(crate) fn part<K: Kernel<Lanes = S>>(&self, kernel: K, part: usize) -> Wide<K::Register> {
+        Wide::new(kernel.register(), K::wide(std::slice::from_ref(&self.value))[part])
+    }
+
     /// The number of a lane.
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> f64 {
@@ -230,6 +236,12 @@ impl<S: Simd<f64s = f64x8>> Wide3<S> {
         self.x.put(x, half);
         self.y.put(y, half);
         self.z.put(z, half);
+    }
+
+    /// As many of the eight vectors as registers hold.
+    #[inline(always)]
+    pub(crate) fn part<K: Kernel<Lanes = S>>(&self, kernel: K, part: usize) -> Wide3<K::Register> {
+        Wide3 { x: self.x.part(kernel, part), y: self.y.part(kernel, part), z: self.z.part(kernel, part) }
     }
 
     /// The vector of a lane.

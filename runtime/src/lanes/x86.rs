@@ -26,6 +26,16 @@ impl Kernel for V4 {
     }
 
     #[inline(always)]
+    fn wide_bits(self, mask: pulp::b8) -> u32 {
+        u32::from(mask.0)
+    }
+
+    #[inline(always)]
+    fn wide_mask(self, bits: u32) -> pulp::b8 {
+        pulp::b8(bits as u8)
+    }
+
+    #[inline(always)]
     fn bits(self, mask: pulp::b8) -> u32 {
         u32::from(mask.0)
     }
@@ -162,6 +172,17 @@ impl Kernel for V3 {
     #[inline(always)]
     fn register_bits(self, mask: pulp::m32x8) -> u32 {
         self.avx._mm256_movemask_ps(cast(mask)) as u32
+    }
+
+    #[inline(always)]
+    fn wide_bits(self, mask: pulp::m64x4) -> u32 {
+        self.avx._mm256_movemask_pd(cast(mask)) as u32
+    }
+
+    #[inline(always)]
+    fn wide_mask(self, bits: u32) -> pulp::m64x4 {
+        const EACH: pulp::u64x4 = pulp::u64x4(1, 2, 4, 8);
+        self.equal_u64s(self.and_u64s(self.splat_u64s(u64::from(bits)), EACH), EACH)
     }
 
     #[inline(always)]

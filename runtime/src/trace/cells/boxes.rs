@@ -16,7 +16,7 @@
 //! precision does to the points in it. So no box that holds a hit is ever skipped, whatever the width.
 
 use glam::DVec3;
-use pulp::{Simd, f32x16};
+use pulp::{Simd, f32x16, u32x16};
 
 use super::ray::Locals;
 use crate::geometry::Aabb;
@@ -250,7 +250,7 @@ impl BoxRays {
         boxes: u32,
         rays: u32,
         (from, to): (&f32x16, &f32x16),
-    ) -> [u32; WIDTH] {
+    ) -> [u16; WIDTH] {
         let count = <K::Register as Simd>::F32_LANES;
         let mut met = [0; WIDTH];
         for part in 0..WIDTH / count {
@@ -310,7 +310,7 @@ struct Part<K: Kernel> {
 impl<K: Kernel> Part<K> {
     /// Adds which of the rays meet some boxes.
     #[inline(always)]
-    fn meet<const MIXED: bool>(&self, sides: &Sides, boxes: u32, met: &mut [u32; WIDTH]) {
+    fn meet<const MIXED: bool>(&self, sides: &Sides, boxes: u32, met: &mut [u16; WIDTH]) {
         let lanes = self.kernel.register();
         for number in lanes_of(boxes) {
             let number = number % WIDTH;
@@ -326,7 +326,7 @@ impl<K: Kernel> Part<K> {
                 far = lanes.min_f32s(far, last);
             }
             let bits = self.kernel.register_bits(lanes.less_than_or_equal_f32s(near, far));
-            met[number] |= (bits & self.rays) << self.first;
+            met[number] |= ((bits & self.rays) << self.first) as u16;
         }
     }
 }
@@ -390,20 +390,24 @@ fn reach<S: Simd<f32s = f32x16>>(lanes: S, mask: S::m32s, numbers: f32x16) -> (f
 }
 
 /// The boxes of a node that rays meet: each where the first of them may come in, its lane, and which rays, in one number.
-#[derive(Default)]
 pub(super) struct Opened {
     boxes: [u64; WIDTH],
     count: usize,
 }
 
 impl Opened {
+    /// Of some boxes, which rays meet each, and where the first of these may come in.
     #[inline(always)]
-    pub(super) fn add(&mut self, lane: usize, near: f32, rays: u32) {
-        // The bits of a number of single precision, so turned that they come in the order of the numbers.
-        let bits = near.to_bits();
-        let order = bits ^ if bits >> 31 == 1 { u32::MAX } else { 1 << 31 };
-        self.boxes[self.count] = u64::from(order) << 32 | (lane as u64) << 16 | u64::from(rays);
-        self.count += usize::from(rays != 0);
+    pub(super) fn new<K: Kernel>(kernel: K, boxes: u32, rays: &[u16; WIDTH], near: &[f32; WIDTH]) -> Self {
+        let order = in_order(kernel, near);
+        let mut opened = Self { boxes: [0; WIDTH], count: 0 };
+        for lane in lanes_of(boxes) {
+            let lane = lane % WIDTH;
+            let rays = u64::from(rays[lane]);
+            opened.boxes[opened.count % WIDTH] = u64::from(order[lane]) << 32 | (lane as u64) << 16 | rays;
+            opened.count += usize::from(rays != 0);
+        }
+        opened
     }
 
     /// Puts the nearest first.
@@ -427,6 +431,16 @@ impl Opened {
             |it| ((it >> 16) as usize & (WIDTH - 1), *it as u32 & 0xffff),
         )
     }
+}
+
+/// Whole numbers that come in the order of some numbers of single precision: their bits, so turned.
+#[inline(always)]
+fn in_order<K: Kernel>(kernel: K, numbers: &[f32; WIDTH]) -> [u32; WIDTH] {
+    let lanes = kernel.lanes();
+    let bits: u32x16 = pulp::cast(*numbers);
+    let sign = lanes.splat_u32s(1 << 31);
+    let negative = lanes.equal_u32s(lanes.and_u32s(bits, sign), sign);
+    pulp::cast(lanes.xor_u32s(bits, lanes.select_u32s(negative, lanes.splat_u32s(u32::MAX), sign)))
 }
 
 #[cfg(test)]

@@ -143,41 +143,43 @@ impl<'q> PacketAsk<'q> {
         !(low | high << EIGHT) & 0xffff
     }
 
-    /// What pieces of the rays of a half, or surfaces that they meet (with no `far`), say to the question, as [`Ask::meet`]. Gives
+    /// What pieces of the rays of a register, or surfaces that they meet (with no `far`), say to the question, as [`Ask::meet`]. Gives
     /// those that meet another surface at the same place: the first written is seen, and that is rare enough to be looked at alone.
     #[inline(always)]
     pub(super) fn meet<K: Kernel>(
         &mut self,
         kernel: K,
-        half: usize,
-        met: Mask<K::Lanes>,
-        (near, far): (Wide<K::Lanes>, Option<Wide<K::Lanes>>),
-        found: u64x8,
+        part: usize,
+        met: Mask<K::Register>,
+        (near, far): (Wide<K::Register>, Option<Wide<K::Register>>),
+        found: <K::Register as Simd>::u64s,
     ) -> u32 {
-        let lanes = kernel.lanes();
-        let start = Wide::new(lanes, self.start[half]);
+        let (lanes, first) = (kernel.register(), part * K::WIDE);
+        let start = Wide::new(lanes, K::wide(&self.start)[part]);
         match self.question {
             Question::Any => {
                 let mut hit = near.gt(start);
                 if let Some(far) = far {
                     hit = hit | (far.gt(start) & far.lt(Wide::splat(lanes, f64::INFINITY)));
                 }
-                self.end(kernel.bits((met & hit).value) << (half * EIGHT));
+                self.end(kernel.wide_bits((met & hit).value) << first);
                 0
             }
             _ => {
-                let best = Wide::new(lanes, self.best[half]);
+                let best = &mut K::wide_mut(&mut self.best)[part];
+                let before = Wide::new(lanes, *best);
                 let ahead = met & near.gt(start);
-                let closer = ahead & near.lt(best);
-                let tie = ahead & near.equals(best);
+                let closer = ahead & near.lt(before);
+                let tie = ahead & near.equals(before);
+                *best = closer.select(near, before).value;
+                let noted = &mut K::whole_mut(&mut self.found)[part];
+                *noted = closer.select_bits(found, *noted);
+                self.changes += u32::from(kernel.wide_bits(closer.value) != 0);
                 if let Some(far) = far {
                     let inside = met & near.le(start) & far.gt(start);
-                    self.end(kernel.bits(inside.value) << (half * EIGHT));
+                    self.end(kernel.wide_bits(inside.value) << first);
                 }
-                self.best[half] = closer.select(near, best).value;
-                self.found[half] = closer.select_bits(found, self.found[half]);
-                self.changes += u32::from(kernel.bits(closer.value) != 0);
-                kernel.bits(tie.value)
+                kernel.wide_bits(tie.value) << first
             }
         }
     }

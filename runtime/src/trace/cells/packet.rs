@@ -293,19 +293,16 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         let number = self.scratch.depth as u32 - 1;
         let (kernel, cell) = (self.tracing.kernel, frame.cell);
-        let mut met = Opened::default();
         let rays = rays & self.ask.asking;
-        let mut near = [f32::NEG_INFINITY; WIDTH];
-        if self.tracing.cull {
-            let (boxes, Rays { from, to, .. }) = (&frame.rays.boxes, &frame.rays);
-            let sides = boxes.sides(node);
-            let bits;
-            (bits, near) = boxes.may_meet(kernel, node, &sides, frame.from_least, frame.to_most);
-            let meeting = boxes.meet(kernel, &sides, bits, rays, (from, to));
-            lanes_of(bits).for_each(|it| met.add(it, near[it], meeting[it]));
+        let (boxes, near, meeting) = if self.tracing.cull {
+            let sides = frame.rays.boxes.sides(node);
+            let (boxes, near) = frame.rays.boxes.may_meet(kernel, node, &sides, frame.from_least, frame.to_most);
+            let places = (&frame.rays.from, &frame.rays.to);
+            (boxes, near, frame.rays.boxes.meet(kernel, &sides, boxes, rays, places))
         } else {
-            lanes_of(node.lanes()).for_each(|it| met.add(it, near[it], rays));
-        }
+            (node.lanes(), [f32::NEG_INFINITY; WIDTH], [rays as u16; WIDTH])
+        };
+        let mut met = Opened::new(kernel, boxes, &meeting, &near);
         if self.ask.question != Question::Any {
             met.sort();
         }
@@ -571,26 +568,27 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             return 0;
         };
         let kernel = self.tracing.kernel;
-        let lanes = kernel.lanes();
+        let lanes = kernel.register();
         let mark = Found::new(Mark { trail: frame.way.trail, part: leaf.part, face: 0 }, false);
         let mut apart = 0;
-        for half in 0..2 {
-            let rays = rays >> (half * EIGHT) & 0xff;
+        // Few rays meet the same leaf if leaves are small: no register is computed that none of them is in.
+        for part in 0..K::PARTS {
+            let rays = K::bits_of_part(rays, part);
             if rays == 0 {
                 continue;
             }
-            let local = &frame.rays.local[half];
+            let local = Locals::part(kernel, &frame.rays.local, part);
             let pieces = convex.pieces(lanes, &local.lines(leaf));
-            let asking = Mask::new(lanes, kernel.mask(rays));
-            apart |= kernel.bits((pieces.odd & asking).value) << (half * EIGHT);
+            let asking = Mask::new(lanes, kernel.wide_mask(rays));
+            apart |= kernel.wide_bits((pieces.odd & asking).value) << (part * K::WIDE);
             let met = pieces.met & asking;
-            if kernel.bits(met.value) == 0 {
+            if kernel.wide_bits(met.value) == 0 {
                 continue;
             }
             let near = local.world(pieces.near.t);
             let far = if leaf.solid { Some(local.world(pieces.far.t)) } else { None };
             let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
-            apart |= self.ask.meet(kernel, half, met, (near, far), found) << (half * EIGHT);
+            apart |= self.ask.meet(kernel, part, met, (near, far), found);
         }
         apart
     }

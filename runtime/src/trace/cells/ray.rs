@@ -7,7 +7,7 @@ use super::ask::Girth;
 use super::cell::Leaf;
 use crate::abstraction;
 use crate::geometry::{Aabb, Lines, Ray};
-use crate::lanes::{EIGHT, One, Wide, Wide3};
+use crate::lanes::{EIGHT, Kernel, One, Wide, Wide3};
 
 /// A ray in the frame of a cell, with a direction of about length 1 and an origin of its own: the point nearest the
 /// cell's centre.
@@ -337,6 +337,19 @@ impl<S: Simd<f64s = f64x8>> Locals<S> {
     #[inline(always)]
     pub(super) fn of_world(origin: Wide3<S>, direction: Wide3<S>, cell_from_world: &Inwards) -> Self {
         Locals::from_world(origin, direction).entered(cell_from_world).0
+    }
+
+    /// As many of sixteen rays as a register has numbers for.
+    #[inline(always)]
+    pub(super) fn part<K: Kernel<Lanes = S>>(kernel: K, halves: &[Self; 2], part: usize) -> Locals<K::Register> {
+        let (half, part) = (&halves[part * K::WIDE / EIGHT], part % (EIGHT / K::WIDE));
+        Locals {
+            origin: half.origin.part(kernel, part),
+            direction: half.direction.part(kernel, part),
+            offset: half.offset.part(kernel, part),
+            scale: half.scale.part(kernel, part),
+            inverse_scale: half.inverse_scale.part(kernel, part),
+        }
     }
 
     /// The ray of a lane.

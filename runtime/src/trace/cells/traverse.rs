@@ -16,7 +16,7 @@ use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Shown, Side};
-use crate::lanes::{Kernel, One, lanes_of};
+use crate::lanes::{Kernel, One};
 use crate::texture::{Rough, Roughs};
 use crate::trace::Site;
 
@@ -293,8 +293,7 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 Some(first)
             }
             _ => {
-                let mut met = Opened::default();
-                lanes_of(bits).for_each(|lane| met.add(lane, near[lane], 1));
+                let mut met = Opened::new(self.tracing.kernel, bits, &[1; WIDTH], &near);
                 if in_order {
                     met.sort();
                 }

@@ -4,11 +4,11 @@
 //! surfaces so near each other that they may count as one, go on alone: where none are, each operation is a choice of the earlier or the
 //! later end, and comes to the same numbers.
 
-use pulp::{Simd, u64x8};
+use pulp::Simd;
 
 use super::{Frame, PacketSearch, Stop};
 use crate::geometry::{Pierced, Side};
-use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of};
+use crate::lanes::{Kernel, Mask, Wide, lanes_of};
 use crate::trace::cells::ask::{Found, Mark, NONE};
 use crate::trace::cells::cell::{Boolean, Cell, Leaf, Named, Ref};
 use crate::trace::cells::ray::{Locals, TAME};
@@ -42,11 +42,11 @@ struct Line<S: Simd> {
 
 /// The lines of eight rays in a cell.
 #[derive(Clone, Copy)]
-struct Eight<'c, K: Kernel> {
+struct Part<'c, K: Kernel> {
     kernel: K,
     cell: &'c Cell,
     trail: u32,
-    local: Locals<K::Lanes>,
+    local: Locals<K::Register>,
 }
 
 impl<K: Kernel> PacketSearch<'_, '_, '_, '_, '_, K> {
@@ -82,30 +82,30 @@ impl<K: Kernel> PacketSearch<'_, '_, '_, '_, '_, K> {
     fn meet_boolean(&mut self, cell: &Cell, boolean: &Boolean, rays: u32) -> u32 {
         let kernel = self.tracing.kernel;
         let mut apart = 0;
-        for half in 0..2 {
-            let asking = rays >> (half * EIGHT) & 0xff;
+        for part in 0..K::PARTS {
+            let rays = K::bits_of_part(rays, part);
             let Some(frame) = self.scratch.last() else {
                 return 0;
             };
-            if asking == 0 {
+            if rays == 0 {
                 continue;
             }
-            let (local, tame) = frame.counted_from_start(kernel, half);
-            let eight = Eight { kernel, cell, trail: frame.way.trail, local };
-            let line = eight.inside(boolean);
-            let odd = kernel.bits(line.odd.value) | !tame & 0xff;
-            let mut asking = asking & !odd;
-            apart |= (odd & rays >> (half * EIGHT) & 0xff) << (half * EIGHT);
+            let (local, tame) = frame.counted_from_start(kernel, part);
+            let lines = Part { kernel, cell, trail: frame.way.trail, local };
+            let line = lines.inside(boolean);
+            let odd = kernel.wide_bits(line.odd.value) | !tame;
+            let mut asking = rays & !odd;
+            apart |= (rays & odd) << (part * K::WIDE);
             for piece in line.pieces {
-                let met = piece.met & Mask::new(kernel.lanes(), kernel.mask(asking));
+                let met = piece.met & Mask::new(kernel.register(), kernel.wide_mask(asking));
                 if met.is_none() {
                     break;
                 }
                 let (near, far) = (local.world(piece.near.t), local.world(piece.far.t));
-                let ties = self.ask.meet(kernel, half, met, (near, Some(far)), piece.near.surface);
-                apart |= ties << (half * EIGHT);
+                let ties = self.ask.meet(kernel, part, met, (near, Some(far)), piece.near.surface);
+                apart |= ties;
                 // Who has to ask again anyhow, does that for all pieces.
-                asking &= !ties;
+                asking &= !K::bits_of_part(ties, part);
             }
         }
         apart
@@ -113,26 +113,26 @@ impl<K: Kernel> PacketSearch<'_, '_, '_, '_, '_, K> {
 }
 
 impl<K: Kernel> Frame<'_, K> {
-    /// The rays of a half as they are for Booleans: those that start in the cell with their origin where they start. And which of them have
+    /// The rays of a register as they are for Booleans: those that start in the cell with their origin where they start. And which of them have
     /// numbers that can be squared.
     #[inline(always)]
-    fn counted_from_start(&self, kernel: K, half: usize) -> (Locals<K::Lanes>, u32) {
-        let local = self.rays.local[half];
-        let starting = self.starting >> (half * EIGHT) & 0xff;
+    fn counted_from_start(&self, kernel: K, part: usize) -> (Locals<K::Register>, u32) {
+        let local = Locals::part(kernel, &self.rays.local, part);
+        let starting = K::bits_of_part(self.starting, part);
         if starting == 0 {
-            return (local, 0xff);
+            return (local, u32::MAX);
         }
-        let lanes = kernel.lanes();
-        let (starting, zero) = (Mask::new(lanes, kernel.mask(starting)), Wide::splat(lanes, 0.0));
+        let lanes = kernel.register();
+        let (starting, zero) = (Mask::new(lanes, kernel.wide_mask(starting)), Wide::splat(lanes, 0.0));
         let origin = starting.select3(local.origin + local.direction * local.own(zero), local.origin);
         let local = Locals { origin, offset: starting.select(zero, local.offset), ..local };
-        (local, kernel.bits(origin.dot(origin).lt(Wide::splat(lanes, TAME)).value))
+        (local, kernel.wide_bits(origin.dot(origin).lt(Wide::splat(lanes, TAME)).value))
     }
 }
 
-impl<K: Kernel> Eight<'_, K> {
+impl<K: Kernel> Part<'_, K> {
     /// The pieces inside a Boolean.
-    fn inside(&self, boolean: &Boolean) -> Line<K::Lanes> {
+    fn inside(&self, boolean: &Boolean) -> Line<K::Register> {
         self.kernel.vectorize(
             #[inline(always)]
             || self.combined(boolean),
@@ -140,9 +140,9 @@ impl<K: Kernel> Eight<'_, K> {
     }
 
     #[inline(always)]
-    fn combined(&self, boolean: &Boolean) -> Line<K::Lanes> {
-        let lanes = self.kernel.lanes();
-        let mut line: Option<Line<K::Lanes>> = None;
+    fn combined(&self, boolean: &Boolean) -> Line<K::Register> {
+        let lanes = self.kernel.register();
+        let mut line: Option<Line<K::Register>> = None;
         for operand in boolean.operands.clone() {
             let other = match self.cell.unions[operand as usize].only().map(Ref::named) {
                 Some(Named::Leaf(number)) => self.leaf(&self.cell.leaves[number as usize]),
@@ -166,21 +166,21 @@ impl<K: Kernel> Eight<'_, K> {
 
     /// The piece inside a convex primitive.
     #[inline(always)]
-    fn leaf(&self, leaf: &Leaf) -> Line<K::Lanes> {
-        let lanes = self.kernel.lanes();
+    fn leaf(&self, leaf: &Leaf) -> Line<K::Register> {
+        let lanes = self.kernel.register();
         let Some(convex) = self.cell.convex(leaf) else {
             return Line::empty(lanes);
         };
         let pieces = convex.pieces(lanes, &self.local.lines(leaf));
         let mark = Found::new(Mark { trail: self.trail, part: leaf.part, face: 0 }, false);
         let mark = lanes.splat_u64s(mark.0);
-        let end = |side: Side<K::Lanes>| Ends { t: side.t, surface: lanes.add_u64s(mark, side.face) };
+        let end = |side: Side<K::Register>| Ends { t: side.t, surface: lanes.add_u64s(mark, side.face) };
         let piece = Piece { met: pieces.met, near: end(pieces.near), far: end(pieces.far) };
         Line { pieces: [piece, Piece { met: Mask::none(lanes), ..piece }], odd: pieces.odd }
     }
 }
 
-impl<S: Simd<f64s = pulp::f64x8, u64s = u64x8>> Ends<S> {
+impl<S: Simd> Ends<S> {
     #[inline(always)]
     fn select(mask: Mask<S>, yes: Self, no: Self) -> Self {
         Self { t: mask.select(yes.t, no.t), surface: mask.select_bits(yes.surface, no.surface) }
@@ -209,7 +209,7 @@ impl<S: Simd<f64s = pulp::f64x8, u64s = u64x8>> Ends<S> {
     }
 }
 
-impl<S: Simd<f64s = pulp::f64x8, u64s = u64x8>> Piece<S> {
+impl<S: Simd> Piece<S> {
     #[inline(always)]
     fn select(mask: Mask<S>, yes: Self, no: Self) -> Self {
         Self {
@@ -228,7 +228,7 @@ impl<S: Simd<f64s = pulp::f64x8, u64s = u64x8>> Piece<S> {
     }
 }
 
-impl<S: Simd<f64s = pulp::f64x8, u64s = u64x8>> Line<S> {
+impl<S: Simd> Line<S> {
     #[inline(always)]
     fn empty(lanes: S) -> Self {
         let end = Ends { t: Wide::splat(lanes, 0.0), surface: lanes.splat_u64s(u64::from(NONE)) };

@@ -283,16 +283,64 @@ impl BoxRays {
         met
     }
 
+    /// As [`BoxRays::may_meet`] and [`BoxRays::meet`] for so few rays that it is less work to hold each against all boxes.
+    #[inline(always)]
+    pub(super) fn meet_few<K: Kernel>(
+        &self,
+        kernel: K,
+        node: &Node,
+        rays: u32,
+        (from, to): (&f32x16, &f32x16),
+    ) -> (u32, [f32; WIDTH], [u16; WIDTH]) {
+        let lanes = kernel.lanes();
+        let sides = self.sides(node);
+        let there = if self.mixed {
+            kernel.bits16(lanes.less_than_or_equal_f32s(node.planes(0), node.planes(3)))
+        } else {
+            u32::MAX
+        };
+        let (mut boxes, mut met) = (0, [0; WIDTH]);
+        let mut least = lanes.splat_f32s(f32::INFINITY);
+        for ray in lanes_of(rays) {
+            let ray = ray % WIDTH;
+            let (mut near, mut far) = (lanes.splat_f32s(number_of(from, ray)), lanes.splat_f32s(number_of(to, ray)));
+            for axis in 0..3 {
+                let inverse = lanes.splat_f32s(number_of(&self.inverse[axis], ray));
+                let shift = lanes.splat_f32s(number_of(&self.shift[axis], ray));
+                let mut first = lanes.mul_add_e_f32s(pulp::cast(*sides.first[axis]), inverse, shift);
+                let mut last = lanes.mul_add_e_f32s(pulp::cast(*sides.last[axis]), inverse, shift);
+                if self.mixed {
+                    (first, last) = (lanes.min_f32s(first, last), lanes.max_f32s(first, last));
+                }
+                near = lanes.max_f32s(near, first);
+                far = lanes.min_f32s(far, last);
+            }
+            least = lanes.min_f32s(least, near);
+            let bits = kernel.bits16(lanes.less_than_or_equal_f32s(near, far)) & there;
+            boxes |= bits;
+            for number in lanes_of(bits) {
+                met[number % WIDTH] |= 1 << ray;
+            }
+        }
+        (boxes, pulp::cast(least), met)
+    }
+
     /// The ray of a lane, whose origin is this.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize, origin: DVec3) -> BoxRay {
         let mut inverse = [0.0; 3];
         for axis in 0..3 {
-            inverse[axis] = bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(&self.inverse[axis])[lane];
+            inverse[axis] = number_of(&self.inverse[axis], lane);
         }
         let origin = [origin.x as f32, origin.y as f32, origin.z as f32];
         BoxRay { origin, inverse, upper: [upper(inverse[0]), upper(inverse[1]), upper(inverse[2])] }
     }
+}
+
+/// One of sixteen numbers, read where it stands.
+#[inline(always)]
+fn number_of(numbers: &f32x16, lane: usize) -> f32 {
+    bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(numbers)[lane]
 }
 
 /// As many of sixteen rays as a register holds.

@@ -1,7 +1,7 @@
 //! The search along sixteen rays side by side, as long as most of them go the same way.
 //!
 //! The stacks are those of the search along one ray (`traverse`); each entry says which of the rays it is for. Where
-//! few are left, each of them goes on alone. What a ray meets is the same, to the bit, in whatever company it travels.
+//! few are left before a cell, each of them goes on alone. What a ray meets is the same, to the bit, in whatever company it travels.
 
 use pulp::{Simd, f32x16};
 use smallvec::SmallVec;
@@ -21,8 +21,11 @@ use crate::form::{MaterialId, Origin};
 use crate::geometry::{Pierced, Shown};
 use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16, select16};
 
-/// Rays that go on alone if no more are left, but into Booleans: there one ray takes as long as eight.
-const FEW: u32 = 2;
+/// Rays that go into a cell alone if no more are left: all sixteen would have to be brought into its frame.
+const ALONE: u32 = 2;
+
+/// Rays that are held against all boxes of a node one by one if there are no more.
+const FEW: u32 = 5;
 
 /// Cells inside one another that most rays go into.
 const USUAL: usize = 8;
@@ -183,7 +186,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             let cell = frame.cell;
             self.count_step()?;
             let named = what.named();
-            if rays.count_ones() <= FEW && !matches!(named, Named::Boolean(_)) {
+            if rays.count_ones() <= ALONE && matches!(named, Named::Instance(_)) {
                 self.go_alone(rays, what)?;
                 continue;
             }
@@ -294,7 +297,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let number = self.scratch.depth as u32 - 1;
         let (kernel, cell) = (self.tracing.kernel, frame.cell);
         let rays = rays & self.ask.asking;
-        let (boxes, near, meeting) = if self.tracing.cull {
+        let (boxes, near, meeting) = if self.tracing.cull && rays.count_ones() <= FEW {
+            frame.rays.boxes.meet_few(kernel, node, rays, (&frame.rays.from, &frame.rays.to))
+        } else if self.tracing.cull {
             let sides = frame.rays.boxes.sides(node);
             let (boxes, near) = frame.rays.boxes.may_meet(kernel, node, &sides, frame.from_least, frame.to_most);
             let places = (&frame.rays.from, &frame.rays.to);

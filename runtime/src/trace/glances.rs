@@ -23,7 +23,7 @@ pub struct Row {
     pub position: [Column; 3],
     /// The surface's normal there, as that of a [`Fragment`](super::Fragment).
     pub normal: [Column; 3],
-    /// A hash of the route to the solid, as that of a [`Fragment`](super::Fragment).
+    /// A hash of the route to the solid, as that of a [`Fragment`](super::Fragment), where the look of the material depends on it.
     pub route: Column<u64>,
     /// The paint.
     pub material: Column<Option<MaterialId>>,
@@ -42,20 +42,20 @@ pub struct Glances {
     used: usize,
     count: usize,
     /// Which primitive the bare surface of each ray is.
-    sites: Vec<Site>,
+    sites: Vec<[Site; ABREAST]>,
     /// What the others see, one after another.
     pub others: Seen,
 }
 
-/// Shadow rays that start on bare surfaces, in the direction of a light.
-#[derive(Clone, Debug, Default)]
-pub struct ShadowRays {
-    /// The rays.
-    pub beams: Vec<Beam>,
-    /// For each the number of the ray that sees the surface that it starts on.
-    pub from: Vec<u32>,
-    /// Whether each leaves the surface on the side of its normal.
-    pub leaving: Vec<bool>,
+/// A shadow ray that starts on a bare surface, in the direction of a light.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRay {
+    /// The ray.
+    pub beam: Beam,
+    /// The number of the ray that sees the surface that it starts on.
+    pub from: u32,
+    /// Whether it leaves the surface on the side of its normal.
+    pub leaving: bool,
 }
 
 impl Row {
@@ -101,12 +101,12 @@ impl Glances {
     /// Which primitive the bare surface is that the ray of this number sees.
     #[inline(always)]
     pub fn site(&self, ray: usize) -> &Site {
-        &self.sites[ray]
+        &self.sites[ray / ABREAST][ray % ABREAST]
     }
 
     /// Adds rays, all of them sixteen but those at the end, to be filled in, with their sites: they see nothing yet.
     #[inline(always)]
-    pub(crate) fn add(&mut self, count: usize) -> (&mut Row, &mut [Site], &mut Seen) {
+    pub(crate) fn add(&mut self, count: usize) -> (&mut Row, &mut [Site; ABREAST], &mut Seen) {
         let number = self.used;
         self.used += 1;
         self.count += count;
@@ -115,7 +115,7 @@ impl Glances {
         }
         let row = &mut self.rows[number];
         (row.bare, row.other) = (0, 0);
-        (row, &mut self.sites[number * ABREAST..][..ABREAST], &mut self.others)
+        (row, &mut self.sites[number], &mut self.others)
     }
 
     /// Adds rays whose fragments are all apart, to be filled in.
@@ -130,39 +130,39 @@ impl Glances {
     #[cold]
     fn grow(&mut self) {
         self.rows.push(Row::BLANK);
-        self.sites.resize(self.rows.len() * ABREAST, Site::default());
+        self.sites.push(Default::default());
     }
 }
 
 /// The materials whose surfaces are bare.
 #[derive(Clone, Debug, Default)]
 pub struct BareMaterials {
-    of: Vec<bool>,
-    /// Whether what has no material is.
-    without: bool,
+    of: Vec<Bareness>,
+    /// Of what has no material.
+    without: Bareness,
+}
+
+/// Whether the surfaces of a material are bare.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bareness {
+    /// Whether they are.
+    pub bare: bool,
+    /// Whether their look depends on the route to the solid.
+    pub by_route: bool,
 }
 
 impl BareMaterials {
-    /// Those of which that is said, in the order of their numbers, and whether what has no material is bare.
-    pub fn new(of: Vec<bool>, without: bool) -> Self {
+    /// Of the materials, in the order of their numbers, and of what has none.
+    pub fn new(of: Vec<Bareness>, without: Bareness) -> Self {
         Self { of, without }
     }
 
-    /// Whether a surface of a material is bare.
+    /// Of a material.
     #[inline(always)]
-    pub fn has(&self, material: Option<MaterialId>) -> bool {
+    pub fn of(&self, material: Option<MaterialId>) -> Bareness {
         match material {
             Some(MaterialId(number)) => self.of.get(number as usize).copied().unwrap_or(self.without),
             None => self.without,
         }
-    }
-}
-
-impl ShadowRays {
-    /// Forgets all rays.
-    pub fn clear(&mut self) {
-        self.beams.clear();
-        self.from.clear();
-        self.leaving.clear();
     }
 }

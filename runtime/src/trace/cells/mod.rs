@@ -52,7 +52,7 @@ use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
 use self::traverse::{Passage, Scratch, Start as Beginning, Tracing};
-use super::{BareMaterials, Beam, Glances, RayFault, Seen, ShadowRays, Site, SurfaceBeam, Tracer};
+use super::{BareMaterials, Beam, Glances, RayFault, Seen, ShadowRay, Site, SurfaceBeam, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
@@ -143,12 +143,15 @@ impl Tracer for CellTracer<'_> {
         dispatch(glance::Glance { tracer: self, beams, bare, glances })
     }
 
-    fn light_on_bare(&self, rays: &ShadowRays, glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let beam = |number: usize| (rays.beams[number], Some(glances.site(rays.from[number] as usize)));
-        let leaves = |number: usize| rays.leaving[number];
+    fn light_on_bare(&self, rays: &[ShadowRay], glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let beam = |number: usize| {
+            let ShadowRay { beam, from, .. } = &rays[number];
+            (*beam, Some(glances.site(*from as usize)))
+        };
+        let leaves = |number: usize| rays[number].leaving;
         light.clear();
-        light.reserve(rays.beams.len());
-        dispatch(Light { tracer: self, beams: Numbered { count: rays.beams.len(), beam, leaves }, light })
+        light.reserve(rays.len());
+        dispatch(Light { tracer: self, beams: Numbered { count: rays.len(), beam, leaves }, light })
     }
 
     fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
@@ -447,9 +450,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         if !self.ask_together(&mut ask, &packet) {
             return self.light_each(beams, light);
         }
-        for ray in 0..*count {
-            light.push(ask.light(ray));
-        }
+        light.extend((0..*count).map(|ray| ask.light(ray)));
         Ok(())
     }
 

@@ -42,7 +42,7 @@ pub struct Glances {
     used: usize,
     count: usize,
     /// Which primitive the bare surface of each ray is.
-    sites: Vec<[Site; ABREAST]>,
+    sites: Vec<Site>,
     /// What the others see, one after another.
     pub others: Seen,
 }
@@ -101,12 +101,12 @@ impl Glances {
     /// Which primitive the bare surface is that the ray of this number sees.
     #[inline(always)]
     pub fn site(&self, ray: usize) -> &Site {
-        &self.sites[ray / ABREAST][ray % ABREAST]
+        &self.sites[ray]
     }
 
     /// Adds rays, all of them sixteen but those at the end, to be filled in, with their sites: they see nothing yet.
     #[inline(always)]
-    pub(crate) fn add(&mut self, count: usize) -> (&mut Row, &mut [Site; ABREAST], &mut Seen) {
+    pub(crate) fn add(&mut self, count: usize) -> (&mut Row, &mut [Site], &mut Seen) {
         let number = self.used;
         self.used += 1;
         self.count += count;
@@ -115,7 +115,7 @@ impl Glances {
         }
         let row = &mut self.rows[number];
         (row.bare, row.other) = (0, 0);
-        (row, &mut self.sites[number], &mut self.others)
+        (row, &mut self.sites[number * ABREAST..][..ABREAST], &mut self.others)
     }
 
     /// Adds rays whose fragments are all apart, to be filled in.
@@ -130,7 +130,7 @@ impl Glances {
     #[cold]
     fn grow(&mut self) {
         self.rows.push(Row::BLANK);
-        self.sites.push(Default::default());
+        self.sites.resize(self.rows.len() * ABREAST, Site::default());
     }
 }
 

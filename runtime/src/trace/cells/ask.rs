@@ -255,14 +255,14 @@ impl Loss {
     }
 
     /// How much light is left.
-    #[inline(always)]
     pub(super) fn left(self) -> f64 {
-        if self.0 == 0 { 1.0 } else { self.left_of_some() }
-    }
-
-    #[inline(never)]
-    fn left_of_some(self) -> f64 {
-        if self.is_dark() { 0.0 } else { libm::exp(-(self.0 as f64 / Self::UNIT)) }
+        if self.0 == 0 {
+            1.0
+        } else if self.is_dark() {
+            0.0
+        } else {
+            libm::exp(-(self.0 as f64 / Self::UNIT))
+        }
     }
 }
 

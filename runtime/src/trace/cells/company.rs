@@ -189,6 +189,16 @@ impl<'q> PacketAsk<'q> {
         bytemuck::cast_ref(&self.found)
     }
 
+    /// The rays that have found a surface that is flipped, or nothing.
+    #[inline(always)]
+    pub(super) fn flipped<K: Kernel>(&self, kernel: K) -> u32 {
+        let lanes = kernel.lanes();
+        let flip = lanes.splat_u64s(Found::FLIP);
+        let low = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[0], flip), flip));
+        let high = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[1], flip), flip));
+        low | high << EIGHT
+    }
+
     /// The rays that have found something in the cell to which this trail leads.
     #[inline(always)]
     pub(super) fn on_trail<K: Kernel>(&self, kernel: K, trail: u32) -> u32 {
@@ -239,10 +249,22 @@ impl<'q> PacketAsk<'q> {
         }
     }
 
-    /// How much light comes to a ray.
-    #[inline]
-    pub(super) fn light(&self, ray: usize) -> f64 {
-        if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() }
+    /// How much light comes to each ray.
+    #[inline(always)]
+    pub(super) fn lights<K: Kernel>(&self, kernel: K) -> [f64; RAYS] {
+        if self.loss.iter().fold(false, |veiled, it| veiled | (*it != Loss::default())) {
+            return self.lights_through_veils();
+        }
+        let (dark, full) = (Wide::splat(kernel.lanes(), 0.0), Wide::splat(kernel.lanes(), 1.0));
+        let [low, high] = [self.over & 0xff, self.over >> EIGHT];
+        let low = Mask::new(kernel.lanes(), kernel.mask(low)).select(dark, full);
+        let high = Mask::new(kernel.lanes(), kernel.mask(high)).select(dark, full);
+        pulp::cast([low.value, high.value])
+    }
+
+    #[inline(never)]
+    fn lights_through_veils(&self) -> [f64; RAYS] {
+        std::array::from_fn(|ray| if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() })
     }
 
     /// A veil lies on one of the rays.

@@ -79,12 +79,12 @@ impl<'c> Surface<'c> {
     }
 }
 
-/// Which normals of a row are done, and which of the others are to be turned over: as is known, or if they point away from the camera.
+/// Which normals of a row are done, and which of the others are those of solids: these are to be turned over where the surface is flipped, and
+/// others if they point away from the camera.
 #[derive(Clone, Copy, Default)]
 struct Sides {
     done: u32,
-    turned: u32,
-    unknown: u32,
+    solid: u32,
 }
 
 impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
@@ -126,7 +126,7 @@ impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
         rays: u32,
         (beams, ask): (&[Beam], &PacketAsk),
         bare: &BareMaterials,
-        (row, sites): (&mut Row, &mut [Site; ABREAST]),
+        (row, sites): (&mut Row, &mut [Site]),
         sides: &mut Sides,
     ) {
         let Some(place) = self.resolver.place() else {
@@ -156,10 +156,10 @@ impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
                 row.normal[axis][lane] = normal[axis];
             }
             (row.material[lane], row.route[lane]) = (material, route);
-            sides.turned |= u32::from(leaf.solid && found.is_flipped()) << lane;
-            sides.unknown |= u32::from(!leaf.solid) << lane;
-            sites[lane].path.lead(place.path(), mark.part);
-            sites[lane].face = face;
+            sides.solid |= u32::from(leaf.solid) << lane;
+            let site = &mut sites[lane];
+            site.path.lead(place.path(), mark.part);
+            site.face = face;
         }
     }
 
@@ -196,12 +196,12 @@ impl Sides {
     /// Finds where a row's rays meet what they see, and makes their normals what they are to be.
     #[inline(always)]
     fn finish<K: Kernel>(self, kernel: K, packet: &Packet<K::Lanes>, ask: &PacketAsk, row: &mut Row) {
-        let lanes = kernel.lanes();
+        let (lanes, flipped) = (kernel.lanes(), ask.flipped(kernel) & self.solid);
         let mask = |bits: u32, half: usize| Mask::new(lanes, kernel.mask(bits >> (half * EIGHT) & 0xff));
         for half in 0..2 {
             let own = Wide3::of_columns(lanes, &row.normal, half);
             let (normal, away) = upright(own, packet.direction[half]);
-            let turned = mask(self.turned, half) | (mask(self.unknown, half) & away);
+            let turned = mask(flipped, half) | (mask(!self.solid, half) & away);
             let (done, best) = (mask(self.done, half), Wide::new(lanes, ask.best[half]));
             let position = packet.origin[half] + packet.direction[half] * best;
             position.put(&mut row.position, half);

@@ -217,7 +217,7 @@ operator!(Wholes, Shr, shr, wrapping_dyn_shr_u32s);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::Plain;
+    use crate::lanes::{EIGHT, Plain};
 
     /// Numbers as each way to compute spreads, doubles and rounds them.
     fn moved<K: Kernel>(kernel: K) -> Vec<[u32; SIXTEEN]> {
@@ -248,6 +248,12 @@ mod tests {
         let doubles: [f64; SIXTEEN] = pulp::cast(kernel.widen(singles.value));
         assert_eq!(doubles, numbers.map(f64::from));
         all.push(Singles::rounded(kernel, &doubles.map(|it| it + 1e-12)).bits().to_array());
+        let square: [[f64; EIGHT]; EIGHT] =
+            std::array::from_fn(|row| std::array::from_fn(|column| (row * EIGHT + column) as f64));
+        let columns: [[f64; EIGHT]; EIGHT] = pulp::cast(kernel.transposed(pulp::cast(square)));
+        for (row, column) in (0..EIGHT * EIGHT).map(|it| (it / EIGHT, it % EIGHT)) {
+            assert_eq!(columns[column][row], square[row][column]);
+        }
         let shifted = singles.bits() << Wholes::splat(kernel, 3);
         all.push(((shifted >> Wholes::splat(kernel, 5)) - singles.bits()).min(shifted).to_array());
         all.push((singles / singles.all(3.0) - singles * singles).max(singles).bits().to_array());

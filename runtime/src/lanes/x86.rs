@@ -298,6 +298,25 @@ impl Kernel for V3 {
     }
 
     #[inline(always)]
+    fn transposed(self, rows: [f64x8; EIGHT]) -> [f64x8; EIGHT] {
+        let rows: [[f64x4; 2]; EIGHT] = cast(rows);
+        let mut columns = rows;
+        for (place, half) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let first = place * 4;
+            let (a, b) = (cast(rows[first][half]), cast(rows[first + 1][half]));
+            let (c, d) = (cast(rows[first + 2][half]), cast(rows[first + 3][half]));
+            let (even, even_below) = (self.avx._mm256_unpacklo_pd(a, b), self.avx._mm256_unpacklo_pd(c, d));
+            let (odd, odd_below) = (self.avx._mm256_unpackhi_pd(a, b), self.avx._mm256_unpackhi_pd(c, d));
+            let first = half * 4;
+            columns[first][place] = cast(self.avx._mm256_permute2f128_pd::<0x20>(even, even_below));
+            columns[first + 1][place] = cast(self.avx._mm256_permute2f128_pd::<0x20>(odd, odd_below));
+            columns[first + 2][place] = cast(self.avx._mm256_permute2f128_pd::<0x31>(even, even_below));
+            columns[first + 3][place] = cast(self.avx._mm256_permute2f128_pd::<0x31>(odd, odd_below));
+        }
+        cast(columns)
+    }
+
+    #[inline(always)]
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
         Self::vectorize(self, run)
     }

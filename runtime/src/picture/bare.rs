@@ -6,13 +6,13 @@
 use glam::DVec3;
 
 use super::camera::Rays;
-use super::color::{as_pixels, within};
+use super::color::{with_alphas, within};
 use super::light::SunLight;
 use super::pixel::Surface;
 use super::shade::{BRIGHTEST, Key, Scratch, Shader};
 use crate::geometry::Ray;
 use crate::lanes::{EIGHT, Kernel, Singles, Task, Wide, Wide3, dispatch, lanes_of};
-use crate::trace::{ABREAST, Beam, Column, Fragment, Glances, RayFault, Row, ShadowRays, Tracer};
+use crate::trace::{ABREAST, Beam, Column, Fragment, Glances, RayFault, Row, ShadowRay, Tracer};
 
 /// Room for shading one batch after another.
 #[derive(Debug, Default)]
@@ -21,7 +21,7 @@ pub(super) struct Bare {
     /// The suns' light on the surfaces of each row.
     lit: Vec<Lit>,
     /// The rays to one of the suns, and how much light comes along each.
-    shadow_rays: ShadowRays,
+    shadow_rays: Vec<ShadowRay>,
     light: Vec<f64>,
     /// The batch's colours, premultiplied, and room for some more.
     colors: Vec<[f32; 4]>,
@@ -78,7 +78,7 @@ impl Shader {
         bare.lit.resize(bare.glances.rows().len(), Lit::DARK);
         for sun in self.suns() {
             bare.aim(sun, beams, keys);
-            bare.count += bare.shadow_rays.beams.len() as u64;
+            bare.count += bare.shadow_rays.len() as u64;
             tracer.light_on_bare(&bare.shadow_rays, &bare.glances, &mut bare.light).ok()?;
             bare.shine(self, sun, beams);
         }
@@ -99,8 +99,7 @@ impl Bare {
         (0..self.glances.len()).map(move |number| {
             let (row, lane) = (&self.glances.rows()[number / ABREAST], number % ABREAST);
             if row.bare >> lane & 1 == 1 {
-                let vector = |it: &[Column; 3]| DVec3::new(it[0][lane], it[1][lane], it[2][lane]);
-                let (normal, position) = (vector(&row.normal), vector(&row.position));
+                let (normal, position) = (vector(&row.normal, lane), vector(&row.position, lane));
                 return Some(Surface::new(normal, position, row.material[lane], row.depth[lane], rays));
             }
             if row.other >> lane & 1 == 0 {
@@ -115,40 +114,28 @@ impl Bare {
     fn aim(&mut self, sun: &SunLight, beams: &[Beam], keys: &[Key]) {
         let Self { glances, lit, shadow_rays, .. } = self;
         shadow_rays.clear();
-        dispatch(Facing {
-            glances,
-            lit,
-            toward: sun.toward,
-            each: |number: usize, row: &Row| {
-                let lane = number % ABREAST;
-                let vector = |it: &[Column; 3]| DVec3::new(it[0][lane], it[1][lane], it[2][lane]);
-                let Key { pixel, sample, .. } = keys[number];
-                let ray = Ray { origin: vector(&row.position), direction: sun.direction(pixel, sample) };
-                let width = beams[number].width_at(row.depth[lane]);
-                shadow_rays.beams.push(Beam { ray, width, spread: 0.0 });
-                shadow_rays.from.push(number as u32);
-                shadow_rays.leaving.push(!sun.is_disc() || vector(&row.normal).dot(ray.direction) > 0.0);
-            },
-        });
+        shadow_rays.reserve(beams.len());
+        dispatch(Aim { sun, beams, keys, glances, lit, shadow_rays });
     }
 
     /// Lights surfaces by what came along their shadow rays.
     fn shine(&mut self, shader: &Shader, sun: &SunLight, beams: &[Beam]) {
         let Self { glances, lit, shadow_rays, light, .. } = self;
-        for (number, light) in shadow_rays.from.iter().zip(&*light) {
-            lit[*number as usize / ABREAST].coming[*number as usize % ABREAST] = *light;
+        for (ShadowRay { from, .. }, light) in shadow_rays.iter().zip(&*light) {
+            lit[*from as usize / ABREAST].coming[*from as usize % ABREAST] = *light;
         }
         dispatch(Shine { glances, lit, sun });
         if !shader.paints().glossy {
             return;
         }
-        for (number, light) in shadow_rays.from.iter().zip(&*light).filter(|it| *it.1 != 0.0) {
-            let (row, lane) = (&glances.rows()[*number as usize / ABREAST], *number as usize % ABREAST);
+        for (ray, light) in shadow_rays.iter().zip(&*light).filter(|it| *it.1 != 0.0) {
+            let number = ray.from as usize;
+            let (row, lane) = (&glances.rows()[number / ABREAST], number % ABREAST);
             if let Some(gloss) = shader.paint(row.material[lane]).gloss {
-                let normal = DVec3::new(row.normal[0][lane], row.normal[1][lane], row.normal[2][lane]);
-                let highlight = gloss.highlight(normal, sun.toward, beams[*number as usize].ray.direction);
+                let normal = vector(&row.normal, lane);
+                let highlight = gloss.highlight(normal, sun.toward, beams[number].ray.direction);
                 let gloss = sun.color * (highlight * light);
-                for (sum, gloss) in lit[*number as usize / ABREAST].gloss.iter_mut().zip(gloss.to_array()) {
+                for (sum, gloss) in lit[number / ABREAST].gloss.iter_mut().zip(gloss.to_array()) {
                     sum[lane] += gloss;
                 }
             }
@@ -214,31 +201,44 @@ fn finite<K: Kernel>(kernel: K, row: &Row, half: usize) -> u32 {
     kernel.bits(sum.abs().lt(sum.all(f64::INFINITY)).value) << (half * EIGHT)
 }
 
-/// Looks for bare surfaces that face a sun.
-struct Facing<'a, F> {
+/// Aims at a sun from bare surfaces that face it.
+struct Aim<'a> {
+    sun: &'a SunLight,
+    beams: &'a [Beam],
+    keys: &'a [Key],
     glances: &'a Glances,
     lit: &'a mut [Lit],
-    toward: DVec3,
-    /// What to do with each, by its ray's number.
-    each: F,
+    shadow_rays: &'a mut Vec<ShadowRay>,
 }
 
-impl<F: FnMut(usize, &Row)> Task for Facing<'_, F> {
+impl Task for Aim<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<K: Kernel>(mut self, kernel: K) {
-        let toward = Wide3::splat(kernel.lanes(), self.toward);
-        for (number, (row, lit)) in self.glances.rows().iter().zip(self.lit).enumerate() {
+    fn run<K: Kernel>(self, kernel: K) {
+        let Self { sun, beams, keys, glances, lit, shadow_rays } = self;
+        let toward = Wide3::splat(kernel.lanes(), sun.toward);
+        for (number, (row, lit)) in glances.rows().iter().zip(lit).enumerate() {
             if row.bare == 0 {
                 continue;
             }
             lit.coming = [0.0; ABREAST];
             for lane in lanes_of((facing(kernel, row, 0, toward) | facing(kernel, row, 1, toward)) & row.bare) {
-                (self.each)(number * ABREAST + lane, row);
+                let number = number * ABREAST + lane;
+                let Key { pixel, sample, .. } = keys[number];
+                let ray = Ray { origin: vector(&row.position, lane), direction: sun.direction(pixel, sample) };
+                let beam = Beam { ray, width: beams[number].width_at(row.depth[lane]), spread: 0.0 };
+                let leaving = !sun.is_disc() || vector(&row.normal, lane).dot(ray.direction) > 0.0;
+                shadow_rays.push(ShadowRay { beam, from: number as u32, leaving });
             }
         }
     }
+}
+
+/// The vector of a lane.
+#[inline(always)]
+fn vector([x, y, z]: &[Column; 3], lane: usize) -> DVec3 {
+    DVec3::new(x[lane], y[lane], z[lane])
 }
 
 /// The rays of a half of a row that see what faces a direction.
@@ -298,6 +298,9 @@ impl Task for Coloring<'_> {
             } else {
                 colors.extend_from_slice(&shaded(kernel, shader, beams, row, lit));
             }
+            if !shader.sky().visible {
+                continue;
+            }
             let colors = &mut colors[start..];
             for lane in lanes_of(!row.bare & ((1_u64 << beams.len()) - 1) as u32) {
                 let (color, alpha) = shader.sky().background(beams[lane].ray.direction);
@@ -309,7 +312,7 @@ impl Task for Coloring<'_> {
     }
 }
 
-/// The colours of a row's surfaces.
+/// The colours of a row's surfaces, and none of the others.
 #[inline(always)]
 fn shaded<K: Kernel>(kernel: K, shader: &Shader, beams: &[Beam], row: &Row, lit: &Lit) -> [[f32; 4]; ABREAST] {
     let lanes = kernel.lanes();
@@ -326,7 +329,7 @@ fn shaded<K: Kernel>(kernel: K, shader: &Shader, beams: &[Beam], row: &Row, lit:
     }
     if shader.haze() != 0.0 {
         for lane in lanes_of(row.bare) {
-            let color = DVec3::new(colors[0][lane], colors[1][lane], colors[2][lane]);
+            let color = vector(&colors, lane);
             let color = shader.through_air(color, beams[lane].ray.direction, row.depth[lane]);
             (colors[0][lane], colors[1][lane], colors[2][lane]) = (color.x, color.y, color.z);
         }
@@ -337,5 +340,9 @@ fn shaded<K: Kernel>(kernel: K, shader: &Shader, beams: &[Beam], row: &Row, lit:
         let (zero, most) = (*shown, shown.all(BRIGHTEST as f32));
         *shown = Singles::rounded(kernel, &colors[channel]).max(zero).min(most);
     }
-    as_pixels(kernel, shown)
+    let nothing = shown[0].all(0.0);
+    for shown in &mut shown {
+        *shown = nothing.with(row.bare, *shown);
+    }
+    with_alphas(shown, nothing.with(row.bare, nothing.all(1.0)))
 }

@@ -92,11 +92,17 @@ impl Rays {
         Beam { ray, width: 0.0, spread: girth }
     }
 
-    /// Adds the beams through points of the picture: to the bit those that [`Rays::through`] gives, several at once.
+    /// The beams through points of the picture, in place of those that were there: to the bit those that [`Rays::through`] gives, several
+    /// at once.
     pub(super) fn through_all(&self, points: &[DVec2], beams: &mut Vec<Beam>) {
-        let (eights, rest) = points.split_at(if self.parallel { 0 } else { points.len() / EIGHT * EIGHT });
-        dispatch(Through { rays: self, points: eights, beams });
-        beams.extend(rest.iter().map(|it| self.through(it.x, it.y)));
+        // All that are there are overwritten where they lie.
+        beams.resize(points.len(), Beam::of_numbers([0.0; 8]));
+        let eights = if self.parallel { 0 } else { points.len() / EIGHT * EIGHT };
+        let (beams, others) = beams.split_at_mut(eights);
+        dispatch(Through { rays: self, points, beams });
+        for (beam, point) in others.iter_mut().zip(&points[eights..]) {
+            *beam = self.through(point.x, point.y);
+        }
     }
 
     /// How wide beams are: where they are parallel, or else at distance 1.
@@ -131,11 +137,11 @@ impl Rays {
     }
 }
 
-/// Beams of a perspective through points of the picture, whose number is a multiple of eight.
+/// Beams of a perspective through points of the picture, by eights.
 struct Through<'a> {
     rays: &'a Rays,
     points: &'a [DVec2],
-    beams: &'a mut Vec<Beam>,
+    beams: &'a mut [Beam],
 }
 
 impl Task for Through<'_> {
@@ -152,7 +158,7 @@ impl Task for Through<'_> {
         let (pixel, one, eye) = (Wide::splat(lanes, *pixel), Wide::splat(lanes, 1.0), Wide3::splat(lanes, *eye));
         let start = Wide::splat(lanes, *start);
         let (width, spread) = (lanes.splat_f64s(0.0), lanes.splat_f64s(spread));
-        for points in points.chunks_exact(EIGHT) {
+        for (points, beams) in points.chunks_exact(EIGHT).zip(beams.chunks_exact_mut(EIGHT)) {
             let (mut x, mut y) = ([0.0; EIGHT], [0.0; EIGHT]);
             for lane in 0..EIGHT {
                 (x[lane], y[lane]) = (points[lane].x - middle.x, middle.y - points[lane].y);
@@ -172,17 +178,9 @@ impl Task for Through<'_> {
                 width,
                 spread,
             ]));
-            let [a, b, c, d, e, f, g, h] = rows;
-            beams.extend_from_slice(&[
-                Beam::of_numbers(a),
-                Beam::of_numbers(b),
-                Beam::of_numbers(c),
-                Beam::of_numbers(d),
-                Beam::of_numbers(e),
-                Beam::of_numbers(f),
-                Beam::of_numbers(g),
-                Beam::of_numbers(h),
-            ]);
+            for (beam, row) in beams.iter_mut().zip(rows) {
+                *beam = Beam::of_numbers(row);
+            }
         }
     }
 }

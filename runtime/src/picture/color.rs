@@ -42,10 +42,16 @@ pub(crate) fn plain_byte(part: f32) -> u8 {
     (part * 255.0 + 0.5) as u8
 }
 
-/// Reds, greens and blues pixel by pixel.
+/// Reds, greens and blues pixel by pixel, opaque.
 #[inline(always)]
-pub(super) fn as_pixels<K: Kernel>(kernel: K, [red, green, blue]: [Singles<K>; 3]) -> [[f32; 4]; SIXTEEN] {
-    let every_fourth = Singles::turn_numbers([red, green, blue, Singles::splat(kernel, 1.0)]);
+pub(super) fn as_pixels<K: Kernel>(kernel: K, colors: [Singles<K>; 3]) -> [[f32; 4]; SIXTEEN] {
+    with_alphas(colors, Singles::splat(kernel, 1.0))
+}
+
+/// Reds, greens, blues and alphas pixel by pixel.
+#[inline(always)]
+pub(super) fn with_alphas<K: Kernel>([red, green, blue]: [Singles<K>; 3], alphas: Singles<K>) -> [[f32; 4]; SIXTEEN] {
+    let every_fourth = Singles::turn_numbers([red, green, blue, alphas]);
     let [a, b, c, d] = Singles::turn_groups(every_fourth);
     pulp::cast([a.to_fours(), b.to_fours(), c.to_fours(), d.to_fours()])
 }

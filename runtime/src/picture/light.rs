@@ -120,10 +120,15 @@ impl SunLight {
     }
 
     /// The way to the sun for one sample of a pixel: to its middle, or for soft shadows to some point of its disc.
+    #[inline(always)]
     pub(super) fn direction(&self, pixel: (u32, u32), sample: u32) -> DVec3 {
-        let Some(disc) = &self.disc else {
-            return self.toward;
-        };
+        match &self.disc {
+            None => self.toward,
+            Some(disc) => self.direction_to(disc, pixel, sample),
+        }
+    }
+
+    fn direction_to(&self, disc: &Disc, pixel: (u32, u32), sample: u32) -> DVec3 {
         let DVec2 { x, y } = light_point(sample, pixel.0, pixel.1, self.number);
         let radius = disc.radius * x.sqrt();
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * y);

@@ -6,7 +6,7 @@ use super::color::{linear, within};
 use crate::eval::{fraction, spread};
 use crate::form::{Material, MaterialId, Scene, Space, Texture, TextureId};
 use crate::texture::Field;
-use crate::trace::BareMaterials;
+use crate::trace::{BareMaterials, Bareness};
 
 /// A material, ready for use.
 #[derive(Clone, Debug)]
@@ -78,14 +78,11 @@ impl Paints {
         // Materials with one texture share it, and what it keeps in memory.
         let patterns: Vec<Pattern> = scene.textures.iter().map(|it| Pattern::new(it, scene.seed)).collect();
         let paints: Vec<Paint> = scene.materials.iter().chain([&plain]).map(|it| Paint::new(it, &patterns)).collect();
-        let plain_is_bare = paints.last().is_some_and(Paint::is_bare);
+        let without = paints.last().map(Paint::bareness).unwrap_or_default();
         Self {
             mirrors: paints.iter().any(|it| it.mirror > 0.0),
             glossy: paints.iter().any(|it| it.gloss.is_some()),
-            bare: BareMaterials::new(
-                scene.materials.iter().zip(&paints).map(|it| it.1.is_bare()).collect(),
-                plain_is_bare,
-            ),
+            bare: BareMaterials::new(scene.materials.iter().zip(&paints).map(|it| it.1.bareness()).collect(), without),
             textures: paints.iter().any(|it| it.shade.is_some() || it.bump.is_some() || it.relief.is_some()),
             paints,
         }
@@ -126,9 +123,10 @@ impl Paint {
     }
 
     /// Whether light that falls on it is scattered or shines, and nothing else: it neither mirrors nor lets light through, and has no texture.
-    fn is_bare(&self) -> bool {
+    fn bareness(&self) -> Bareness {
         let textured = self.shade.is_some() || self.bump.is_some() || self.relief.is_some();
-        !textured && self.mirror == 0.0 && self.translucent == 0.0
+        let bare = !textured && self.mirror == 0.0 && self.translucent == 0.0;
+        Bareness { bare, by_route: self.range.is_some() }
     }
 
     /// Its colour on the solid that has this route.

@@ -23,7 +23,7 @@ pub struct Row {
     pub position: [Column; 3],
     /// The surface's normal there, as that of a [`Fragment`](super::Fragment).
     pub normal: [Column; 3],
-    /// A hash of the route to the solid, as that of a [`Fragment`](super::Fragment).
+    /// A hash of the route to the solid, as that of a [`Fragment`](super::Fragment), where the look of the material depends on it.
     pub route: Column<u64>,
     /// The paint.
     pub material: Column<Option<MaterialId>>,
@@ -47,15 +47,15 @@ pub struct Glances {
     pub others: Seen,
 }
 
-/// Shadow rays that start on bare surfaces, in the direction of a light.
-#[derive(Clone, Debug, Default)]
-pub struct ShadowRays {
-    /// The rays.
-    pub beams: Vec<Beam>,
-    /// For each the number of the ray that sees the surface that it starts on.
-    pub from: Vec<u32>,
-    /// Whether each leaves the surface on the side of its normal.
-    pub leaving: Vec<bool>,
+/// A shadow ray that starts on a bare surface, in the direction of a light.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRay {
+    /// The ray.
+    pub beam: Beam,
+    /// The number of the ray that sees the surface that it starts on.
+    pub from: u32,
+    /// Whether it leaves the surface on the side of its normal.
+    pub leaving: bool,
 }
 
 impl Row {
@@ -137,32 +137,32 @@ impl Glances {
 /// The materials whose surfaces are bare.
 #[derive(Clone, Debug, Default)]
 pub struct BareMaterials {
-    of: Vec<bool>,
-    /// Whether what has no material is.
-    without: bool,
+    of: Vec<Bareness>,
+    /// Of what has no material.
+    without: Bareness,
+}
+
+/// Whether the surfaces of a material are bare.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bareness {
+    /// Whether they are.
+    pub bare: bool,
+    /// Whether their look depends on the route to the solid.
+    pub by_route: bool,
 }
 
 impl BareMaterials {
-    /// Those of which that is said, in the order of their numbers, and whether what has no material is bare.
-    pub fn new(of: Vec<bool>, without: bool) -> Self {
+    /// Of the materials, in the order of their numbers, and of what has none.
+    pub fn new(of: Vec<Bareness>, without: Bareness) -> Self {
         Self { of, without }
     }
 
-    /// Whether a surface of a material is bare.
+    /// Of a material.
     #[inline(always)]
-    pub fn has(&self, material: Option<MaterialId>) -> bool {
+    pub fn of(&self, material: Option<MaterialId>) -> Bareness {
         match material {
             Some(MaterialId(number)) => self.of.get(number as usize).copied().unwrap_or(self.without),
             None => self.without,
         }
-    }
-}
-
-impl ShadowRays {
-    /// Forgets all rays.
-    pub fn clear(&mut self) {
-        self.beams.clear();
-        self.from.clear();
-        self.leaving.clear();
     }
 }

@@ -21,7 +21,7 @@ pub(crate) use distinct::{Constant, Distinct};
 pub(crate) use expand::WholeStem;
 pub use expand::{Bark, Entry, Expander, Group, Item, Solid, State};
 pub use find::{Derivable, find_shape, find_shapes};
-pub use glances::{ABREAST, BareMaterials, Column, Glances, Row, ShadowRays};
+pub use glances::{ABREAST, BareMaterials, Bareness, Column, Glances, Row, ShadowRay};
 pub use path::Path;
 pub use route::Route;
 pub(crate) use walk::{CHOICE, COPY, OPERAND};
@@ -352,10 +352,9 @@ pub trait Tracer: Sync {
     ///
     /// # Errors
     /// As [`Tracer::light`].
-    fn light_on_bare(&self, rays: &ShadowRays, glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let from =
-            |(beam, from): (&Beam, &u32)| SurfaceBeam { beam: *beam, from: glances.site(*from as usize).clone() };
-        self.light(&rays.beams.iter().zip(&rays.from).map(from).collect::<Vec<_>>(), light)
+    fn light_on_bare(&self, rays: &[ShadowRay], glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let from = |it: &ShadowRay| SurfaceBeam { beam: it.beam, from: glances.site(it.from as usize).clone() };
+        self.light(&rays.iter().map(from).collect::<Vec<_>>(), light)
     }
 
     /// How much work each of the beams makes, one by one: the cells (for the walker by the book: the S-nodes) that it goes

@@ -374,7 +374,6 @@ impl<'a> Painter<'a> {
     /// Makes the beams of the batch.
     fn aim(&mut self) {
         let Desk { points, beams, .. } = &mut self.desk;
-        beams.clear();
         self.setting.rays.through_all(points, beams);
     }
 

@@ -9,7 +9,7 @@ use super::measure::Measuring;
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
 use crate::geometry::FACE;
-use crate::trace::{Beam, Site};
+use crate::trace::{Beam, Path, Site};
 
 /// No part, or no trail.
 pub(super) const NONE: u32 = u32::MAX;
@@ -64,7 +64,13 @@ impl Found {
     pub(super) fn new(mark: Mark, flipped: bool) -> Self {
         let Mark { trail, part, face } = mark;
         let low = part | u32::from(face) << Self::FACE | u32::from(flipped) << Self::FLIPPED;
-        Self(u64::from(low) | u64::from(trail) << Self::TRAIL)
+        Self(u64::from(low) | Self::of_trail(trail))
+    }
+
+    /// All the bits that tell a trail, as they are for this one.
+    #[inline(always)]
+    pub(super) fn of_trail(trail: u32) -> u64 {
+        u64::from(trail) << Self::TRAIL
     }
 
     pub(super) fn is_nothing(self) -> bool {
@@ -116,6 +122,18 @@ impl Trails {
         }
         path.reverse();
         path
+    }
+
+    /// Whether the way `trail` has the parts of a path, of which there are so many.
+    pub(super) fn leads(&self, mut trail: u32, path: &Path, length: usize) -> bool {
+        // Ways that differ mostly do so at their ends.
+        for place in (0..length).rev() {
+            match self.0.get(trail as usize) {
+                Some((before, part)) if path.part(place) == Some(*part) => trail = *before,
+                Some(_) | None => return false,
+            }
+        }
+        trail == NONE
     }
 
     /// Whether one surface was written before another.

@@ -46,34 +46,74 @@ impl<'q, S: Simd<f64s = f64x8>> Packet<'q, S> {
         K: Kernel<Lanes = S>,
         B: Fn(usize) -> (Beam, Option<&'q Site>),
     {
-        let lanes = kernel.lanes();
-        let zero = Wide::splat(lanes, 0.0);
-        let nowhere = Wide3 { x: zero, y: zero, z: zero };
         let (mut from, mut sited, mut through) = ([None; RAYS], 0, 0);
-        let (mut origin, mut direction) = ([nowhere; 2], [nowhere; 2]);
-        let (mut width, mut spread, mut start) = ([zero.value; 2], [zero.value; 2], [zero.value; 2]);
-        for half in 0..2 {
-            let mut rows = [zero.value; EIGHT];
-            for (lane, row) in rows.iter_mut().enumerate() {
-                let number = half * EIGHT + lane;
-                let (beam, site) = beam(if number < count { number } else { 0 });
-                *row = pulp::cast(beam.numbers());
-                from[number] = site;
-                sited |= u32::from(site.is_some()) << number;
-                through |= u32::from(site.is_some_and(Site::is_through)) << number;
-            }
-            let [x, y, z, to_x, to_y, to_z, wide, spreading] = kernel.transposed(rows);
-            origin[half] = Wide3 { x: Wide::new(lanes, x), y: Wide::new(lanes, y), z: Wide::new(lanes, z) };
-            direction[half] = Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) };
-            (width[half], spread[half]) = (wide, spreading);
-            let on_surface = kernel.mask(sited >> (half * EIGHT) & 0xff);
-            if sited >> (half * EIGHT) != 0 {
-                let bias = bias(origin[half], direction[half], Wide::new(lanes, wide));
-                start[half] = Mask::new(lanes, on_surface).select(bias, zero).value;
+        for (lane, from) in from.iter_mut().enumerate() {
+            if let (_, Some(site)) = beam(number_in(lane, count)) {
+                *from = Some(site);
+                sited |= 1 << lane;
+                through |= u32::from(site.is_through()) << lane;
             }
         }
-        let asking = ((1_u64 << count) - 1) as u32;
-        Self { origin, direction, width, spread, start, from, asking, sited, through }
+        let (low, high) = (Eight::new(kernel, 0, count, &beam), Eight::new(kernel, EIGHT, count, &beam));
+        Self {
+            origin: [low.origin, high.origin],
+            direction: [low.direction, high.direction],
+            width: [low.width.value, high.width.value],
+            spread: [low.spread.value, high.spread.value],
+            start: [low.start(kernel, sited & 0xff), high.start(kernel, sited >> EIGHT)],
+            from,
+            asking: ((1_u64 << count) - 1) as u32,
+            sited,
+            through,
+        }
+    }
+}
+
+/// The number of the beam in a lane, of so many.
+#[inline(always)]
+fn number_in(lane: usize, count: usize) -> usize {
+    if lane < count { lane } else { 0 }
+}
+
+/// Half of the beams of a packet.
+struct Eight<S: Simd> {
+    origin: Wide3<S>,
+    direction: Wide3<S>,
+    width: Wide<S>,
+    spread: Wide<S>,
+}
+
+impl<S: Simd<f64s = f64x8>> Eight<S> {
+    /// Those from this number on, of so many.
+    #[inline(always)]
+    fn new<'q, K, B>(kernel: K, first: usize, count: usize, beam: &B) -> Self
+    where
+        K: Kernel<Lanes = S>,
+        B: Fn(usize) -> (Beam, Option<&'q Site>),
+    {
+        let lanes = kernel.lanes();
+        let mut rows = [lanes.splat_f64s(0.0); EIGHT];
+        for (lane, row) in rows.iter_mut().enumerate() {
+            *row = pulp::cast(beam(number_in(first + lane, count)).0.numbers());
+        }
+        let [x, y, z, to_x, to_y, to_z, width, spread] = kernel.transposed(rows);
+        Self {
+            origin: Wide3 { x: Wide::new(lanes, x), y: Wide::new(lanes, y), z: Wide::new(lanes, z) },
+            direction: Wide3 { x: Wide::new(lanes, to_x), y: Wide::new(lanes, to_y), z: Wide::new(lanes, to_z) },
+            width: Wide::new(lanes, width),
+            spread: Wide::new(lanes, spread),
+        }
+    }
+
+    /// Up to where they meet only the surfaces that they start on; these do.
+    #[inline(always)]
+    fn start<K: Kernel<Lanes = S>>(&self, kernel: K, sited: u32) -> f64x8 {
+        let zero = self.width.all(0.0);
+        if sited == 0 {
+            return zero.value;
+        }
+        let bias = bias(self.origin, self.direction, self.width);
+        Mask::new(kernel.lanes(), kernel.mask(sited)).select(bias, zero).value
     }
 }
 
@@ -143,6 +183,33 @@ impl<'q> PacketAsk<'q> {
         !(low | high << EIGHT) & 0xffff
     }
 
+    /// What each ray has found.
+    #[inline(always)]
+    pub(super) fn founds(&self) -> &[u64; RAYS] {
+        bytemuck::cast_ref(&self.found)
+    }
+
+    /// The rays that have found a surface that is flipped, or nothing.
+    #[inline(always)]
+    pub(super) fn flipped<K: Kernel>(&self, kernel: K) -> u32 {
+        let lanes = kernel.lanes();
+        let flip = lanes.splat_u64s(Found::FLIP);
+        let low = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[0], flip), flip));
+        let high = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[1], flip), flip));
+        low | high << EIGHT
+    }
+
+    /// The rays that have found something in the cell to which this trail leads.
+    #[inline(always)]
+    pub(super) fn on_trail<K: Kernel>(&self, kernel: K, trail: u32) -> u32 {
+        let lanes = kernel.lanes();
+        let trail = lanes.splat_u64s(Found::of_trail(trail));
+        let all = lanes.splat_u64s(Found::of_trail(u32::MAX));
+        let low = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[0], all), trail));
+        let high = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[1], all), trail));
+        low | high << EIGHT
+    }
+
     /// What pieces of the rays of a register, or surfaces that they meet (with no `far`), say to the question, as [`Ask::meet`]. Gives
     /// those that meet another surface at the same place: the first written is seen, and that is rare enough to be looked at alone.
     #[inline(always)]
@@ -184,10 +251,22 @@ impl<'q> PacketAsk<'q> {
         }
     }
 
-    /// How much light comes to a ray.
-    #[inline]
-    pub(super) fn light(&self, ray: usize) -> f64 {
-        if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() }
+    /// How much light comes to each ray.
+    #[inline(always)]
+    pub(super) fn lights<K: Kernel>(&self, kernel: K) -> [f64; RAYS] {
+        if self.loss.iter().fold(false, |veiled, it| veiled | (*it != Loss::default())) {
+            return self.lights_through_veils();
+        }
+        let (dark, full) = (Wide::splat(kernel.lanes(), 0.0), Wide::splat(kernel.lanes(), 1.0));
+        let [low, high] = [self.over & 0xff, self.over >> EIGHT];
+        let low = Mask::new(kernel.lanes(), kernel.mask(low)).select(dark, full);
+        let high = Mask::new(kernel.lanes(), kernel.mask(high)).select(dark, full);
+        pulp::cast([low.value, high.value])
+    }
+
+    #[inline(never)]
+    fn lights_through_veils(&self) -> [f64; RAYS] {
+        std::array::from_fn(|ray| if self.over >> ray & 1 == 1 { 0.0 } else { self.loss[ray].left() })
     }
 
     /// A veil lies on one of the rays.

@@ -4,16 +4,15 @@
 
 use glam::DVec3;
 
-use super::ask::{Found, Girth, Mark, Question};
-use super::cell::{Leaf, LeafShape, Named, Part};
+use super::ask::{Found, Girth, Question};
+use super::cell::{Cell, Leaf, Named, Part};
 use super::company::{Packet, PacketAsk, RAYS};
 use super::flats::upright;
-use super::resolve::{Hit, Place};
+use super::resolve::{Hit, Place, Resolver};
 use super::{Caster, CellTracer};
-use crate::fault::Fault;
 use crate::form::MaterialId;
 use crate::lanes::{EIGHT, Kernel, Mask, Task, Wide, Wide3, lanes_of};
-use crate::trace::{ABREAST, BareMaterials, Beam, Glances, RayFault, Row, Seen, Site};
+use crate::trace::{ABREAST, BareMaterials, Bareness, Beam, Glances, RayFault, Row, Seen, Site};
 
 const _: () = assert!(ABREAST == RAYS, "a packet is a row");
 
@@ -51,31 +50,41 @@ impl Task for Glance<'_, '_> {
 
 /// The bare surface that a ray meets.
 #[derive(Clone, Copy)]
-struct Surface {
+struct Surface<'c> {
+    leaf: &'c Leaf,
+    part: &'c Part,
     material: Option<MaterialId>,
     route: u64,
-    normal: Normal,
-    /// Whether that is to be turned over; if it is not known, it is to point to where the ray comes from.
-    turned: Option<bool>,
+    /// Its normal, outwards, of any length, if that is the same wherever it is met.
+    normal: Option<DVec3>,
 }
 
-/// Normals of a surface, outwards, of any length.
-#[derive(Clone, Copy)]
-enum Normal {
-    /// The same wherever it is met.
-    Flat(DVec3),
-    /// That of a round face of a convex primitive.
-    Round,
-    /// Any other: it is made whole for each ray alone.
-    Shaped,
+impl<'c> Surface<'c> {
+    /// The surface that was found in a cell, if it is bare.
+    #[inline(always)]
+    fn of(place: &Place, cell: &'c Cell, found: Found, bare: &BareMaterials) -> Option<Self> {
+        let mark = found.mark();
+        let part = cell.parts.get(mark.part as usize)?;
+        let Named::Leaf(leaf) = part.member.named() else {
+            return None;
+        };
+        let leaf = &cell.leaves[leaf as usize];
+        let material = part.material.or(place.material);
+        let Bareness { bare, by_route } = bare.of(material);
+        if !bare {
+            return None;
+        }
+        let route = if by_route { place.route_to(part) } else { 0 };
+        Some(Self { leaf, part, material, route, normal: Resolver::flat_normal(place, cell, leaf, mark.face) })
+    }
 }
 
-/// Which normals of a row are done, and which of the others are to be turned over: as is known, or if they point away from the camera.
+/// Which normals of a row are done, and which of the others are those of solids: these are to be turned over where the surface is flipped, and
+/// others if they point away from the camera.
 #[derive(Clone, Copy, Default)]
 struct Sides {
     done: u32,
-    turned: u32,
-    unknown: u32,
+    solid: u32,
 }
 
 impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
@@ -94,70 +103,61 @@ impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
         let met = ask.met(self.tracing.kernel) & !row.other & ((1_u64 << beams.len()) - 1) as u32;
         row.depth = pulp::cast(ask.best);
         let mut sides = Sides::default();
-        let mut last = (Found::NOTHING, None);
-        for lane in lanes_of(met) {
-            let (depth, found) = ask.found(lane);
-            if found != last.0 {
-                last = (found, self.surface(found, bare).map_err(|fault| RayFault { ray: lane, fault })?);
-            }
-            let Some(surface) = &last.1 else {
-                row.other |= 1 << lane;
-                continue;
-            };
-            let beam = &beams[lane];
-            let hit = Hit { ray: &beam.ray, girth: Girth::of(beam), number: lane as u8, depth, found };
-            self.fill(lane, surface, &hit, row, &mut sites[lane], &mut sides);
+        let mut left = met;
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            let mark = Found(ask.founds()[first]).mark();
+            self.resolver.go(&self.notes, mark).map_err(|fault| RayFault { ray: first, fault })?;
+            let here = left & ask.on_trail(self.tracing.kernel, mark.trail);
+            left &= !here;
+            self.fill(here, (beams, &ask), bare, (&mut *row, &mut *sites), &mut sides);
         }
         row.bare = met & !row.other;
-        sides.finish(self.tracing.kernel, &packet, &ask, row);
+        if row.bare != 0 {
+            sides.finish(self.tracing.kernel, &packet, &ask, row);
+        }
         if row.other != 0 { self.see_others(beams, &ask, row.other, others) } else { Ok(()) }
     }
 
-    /// The surface that was found, if it is bare.
+    /// Fills in what rays see in the cell that the resolver is at, as far as that is bare.
     #[inline(always)]
-    fn surface(&mut self, found: Found, bare: &BareMaterials) -> Result<Option<Surface>, Fault> {
-        let mark = found.mark();
-        self.resolver.go(&self.notes, mark)?;
-        let Some((place, leaf, part)) = self.leaf_at(mark) else {
-            return Ok(None);
+    fn fill(
+        &self,
+        rays: u32,
+        (beams, ask): (&[Beam], &PacketAsk),
+        bare: &BareMaterials,
+        (row, sites): (&mut Row, &mut [Site]),
+        sides: &mut Sides,
+    ) {
+        let Some(place) = self.resolver.place() else {
+            return;
         };
-        let material = part.material.or(place.material);
-        let normal = match (self.resolver.flat_normal(place, leaf, mark), leaf.shape) {
-            (Some(normal), _) => Normal::Flat(normal),
-            (None, LeafShape::Convex(_)) => Normal::Round,
-            (None, _) => Normal::Shaped,
-        };
-        let turned = leaf.solid.then(|| found.is_flipped());
-        Ok(bare.has(material).then(|| Surface { material, route: place.route_to(part), normal, turned }))
-    }
-
-    /// The leaf of a part of the cell that the resolver is at.
-    #[inline(always)]
-    fn leaf_at(&self, mark: Mark) -> Option<(&Place<'g>, &Leaf, &Part)> {
-        let place = self.resolver.place()?;
         let cell = self.resolver.cell_of(place);
-        let part = cell.parts.get(mark.part as usize)?;
-        match part.member.named() {
-            Named::Leaf(leaf) => Some((place, &cell.leaves[leaf as usize], part)),
-            Named::Node(_) | Named::Instance(_) | Named::Boolean(_) => None,
-        }
-    }
-
-    /// Fills in what a ray sees of a bare surface.
-    #[inline(always)]
-    fn fill(&self, lane: usize, surface: &Surface, hit: &Hit, row: &mut Row, site: &mut Site, sides: &mut Sides) {
-        let mark = hit.found.mark();
-        let (normal, face) = match surface.normal {
-            Normal::Flat(normal) => (normal, u32::from(mark.face)),
-            Normal::Round | Normal::Shaped => self.round(hit, sides, lane),
-        };
-        for axis in 0..3 {
-            row.normal[axis][lane] = normal[axis];
-        }
-        (row.material[lane], row.route[lane]) = (surface.material, surface.route);
-        sides.turned |= u32::from(surface.turned == Some(true)) << lane;
-        sides.unknown |= u32::from(surface.turned.is_none()) << lane;
-        if let Some(place) = self.resolver.place() {
+        let mut last = (Found::NOTHING, None);
+        for lane in lanes_of(rays) {
+            let found = Found(ask.founds()[lane]);
+            let mark = found.mark();
+            if found != last.0 {
+                last = (found, Surface::of(place, cell, found, bare));
+            }
+            let Some(Surface { part, leaf, material, route, normal }) = last.1 else {
+                row.other |= 1 << lane;
+                continue;
+            };
+            let (normal, face) = match normal {
+                Some(normal) => (normal, u32::from(mark.face)),
+                None => {
+                    let Beam { ray, .. } = &beams[lane];
+                    let (girth, depth) = (Girth::of(&beams[lane]), row.depth[lane]);
+                    self.round((place, leaf, part), &Hit { ray, girth, number: lane as u8, depth, found }, sides)
+                }
+            };
+            for axis in 0..3 {
+                row.normal[axis][lane] = normal[axis];
+            }
+            (row.material[lane], row.route[lane]) = (material, route);
+            sides.solid |= u32::from(leaf.solid) << lane;
+            let site = &mut sites[lane];
             site.path.lead(place.path(), mark.part);
             site.face = face;
         }
@@ -165,15 +165,12 @@ impl<'g, K: Kernel> Caster<'_, '_, 'g, K> {
 
     /// The normal of a surface where a ray meets it that is not the same all over, and the face.
     #[inline(never)]
-    fn round(&self, hit: &Hit, sides: &mut Sides, lane: usize) -> (DVec3, u32) {
+    fn round(&self, (place, leaf, part): (&Place, &Leaf, &Part), hit: &Hit, sides: &mut Sides) -> (DVec3, u32) {
         let mark = hit.found.mark();
-        let Some((place, leaf, part)) = self.leaf_at(mark) else {
-            return (DVec3::ZERO, 0);
-        };
         if let Some(normal) = self.resolver.round_normal(place, leaf, hit) {
             return (normal, u32::from(mark.face));
         }
-        sides.done |= 1 << lane;
+        sides.done |= 1 << hit.number;
         self.resolver.shaped_normal(place, (leaf, part), mark, hit)
     }
 
@@ -199,12 +196,12 @@ impl Sides {
     /// Finds where a row's rays meet what they see, and makes their normals what they are to be.
     #[inline(always)]
     fn finish<K: Kernel>(self, kernel: K, packet: &Packet<K::Lanes>, ask: &PacketAsk, row: &mut Row) {
-        let lanes = kernel.lanes();
+        let (lanes, flipped) = (kernel.lanes(), ask.flipped(kernel) & self.solid);
         let mask = |bits: u32, half: usize| Mask::new(lanes, kernel.mask(bits >> (half * EIGHT) & 0xff));
         for half in 0..2 {
             let own = Wide3::of_columns(lanes, &row.normal, half);
             let (normal, away) = upright(own, packet.direction[half]);
-            let turned = mask(self.turned, half) | (mask(self.unknown, half) & away);
+            let turned = mask(flipped, half) | (mask(!self.solid, half) & away);
             let (done, best) = (mask(self.done, half), Wide::new(lanes, ask.best[half]));
             let position = packet.origin[half] + packet.direction[half] * best;
             position.put(&mut row.position, half);

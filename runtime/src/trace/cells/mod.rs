@@ -52,7 +52,7 @@ use self::ray::{Inwards, Local};
 use self::resolve::{Hit, Resolver};
 use self::store::{Generation, Store};
 use self::traverse::{Passage, Scratch, Start as Beginning, Tracing};
-use super::{BareMaterials, Beam, Glances, RayFault, Seen, ShadowRays, Site, SurfaceBeam, Tracer};
+use super::{BareMaterials, Beam, Glances, RayFault, Seen, ShadowRay, Site, SurfaceBeam, Tracer};
 use crate::fault::Fault;
 use crate::form::{Origin, Scene};
 use crate::geometry::{Aabb, Ray};
@@ -130,12 +130,13 @@ impl Tracer for CellTracer<'_> {
     }
 
     fn light_on(&self, beams: &[SurfaceBeam], normals: &[DVec3], light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let leaves =
-            |number: usize| normals.get(number).is_some_and(|it| it.dot(beams[number].beam.ray.direction) > 0.0);
+        let leaves = |number: usize, it: &SurfaceBeam| {
+            normals.get(number).is_some_and(|normal| normal.dot(it.beam.ray.direction) > 0.0)
+        };
         light.clear();
         light.reserve(beams.len());
-        let beam = |number: usize| beams[number].beam();
-        dispatch(Light { tracer: self, beams: Numbered { count: beams.len(), beam, leaves }, light })
+        let batch = Batch { rays: beams, first: 0, beam: SurfaceBeam::beam, leaves };
+        dispatch(Light { tracer: self, batch, light })
     }
 
     fn glance(&self, beams: &[Beam], bare: &BareMaterials, glances: &mut Glances) -> Result<(), RayFault> {
@@ -143,12 +144,12 @@ impl Tracer for CellTracer<'_> {
         dispatch(glance::Glance { tracer: self, beams, bare, glances })
     }
 
-    fn light_on_bare(&self, rays: &ShadowRays, glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
-        let beam = |number: usize| (rays.beams[number], Some(glances.site(rays.from[number] as usize)));
-        let leaves = |number: usize| rays.leaving[number];
+    fn light_on_bare(&self, rays: &[ShadowRay], glances: &Glances, light: &mut Vec<f64>) -> Result<(), RayFault> {
+        let beam = |it: &ShadowRay| (it.beam, Some(glances.site(it.from as usize)));
+        let leaves = |_, it: &ShadowRay| it.leaving;
         light.clear();
-        light.reserve(rays.beams.len());
-        dispatch(Light { tracer: self, beams: Numbered { count: rays.beams.len(), beam, leaves }, light })
+        light.reserve(rays.len());
+        dispatch(Light { tracer: self, batch: Batch { rays, first: 0, beam, leaves }, light })
     }
 
     fn work(&self, beams: &[Beam], work: &mut Vec<u32>) -> Result<(), RayFault> {
@@ -207,35 +208,41 @@ impl<B: Start> Task for Look<'_, '_, B> {
     }
 }
 
-/// Shadow rays by their numbers.
-struct Numbered<B, L> {
-    count: usize,
-    /// The beam, and the surface that it starts on.
+/// Shadow rays one after another.
+struct Batch<'r, R, B, L> {
+    rays: &'r [R],
+    /// The number of the first.
+    first: usize,
+    /// The beam of a ray, and the surface that it starts on.
     beam: B,
-    /// Whether it is known to leave that on the side of its normal.
+    /// Whether a ray, of this number, is known to leave that on the side of its normal.
     leaves: L,
 }
 
-struct Light<'a, 's, B, L> {
+struct Light<'a, 's, 'r, R, B, L> {
     tracer: &'a CellTracer<'s>,
-    beams: Numbered<B, L>,
+    batch: Batch<'r, R, B, L>,
     light: &'a mut Vec<f64>,
 }
 
-impl<'a, B: Fn(usize) -> (Beam, Option<&'a Site>), L: Fn(usize) -> bool> Task for Light<'_, '_, B, L> {
+impl<'r, R, B, L> Task for Light<'_, '_, 'r, R, B, L>
+where
+    B: Fn(&'r R) -> (Beam, Option<&'r Site>),
+    L: Fn(usize, &R) -> bool,
+{
     type Output = Result<(), RayFault>;
 
     #[inline(always)]
     fn run<K: Kernel>(self, kernel: K) -> Self::Output {
-        let Self { tracer, beams: Numbered { count, beam, leaves }, light } = self;
-        while light.len() < count {
+        let Self { tracer, batch: Batch { rays, first, beam, leaves }, light } = self;
+        while light.len() < rays.len() {
             let generation = tracer.store.generation();
             let mut caster = Caster::new(tracer, kernel, &generation);
-            while light.len() < count {
+            while light.len() < rays.len() {
                 let start = light.len();
-                let (beam, leaves) = (|it: usize| beam(start + it), |it: usize| leaves(start + it));
+                let packet = &rays[start..rays.len().min(start + RAYS)];
                 caster
-                    .light_all(&Numbered { count: RAYS.min(count - start), beam, leaves }, light)
+                    .light_all(&Batch { rays: packet, first: first + start, beam: &beam, leaves: &leaves }, light)
                     .map_err(|RayFault { ray, fault }| RayFault { ray: start + ray, fault })?;
                 if generation.is_full() {
                     break;
@@ -430,40 +437,41 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         Ok((ask.best, ask.found))
     }
 
-    /// How much light comes to the beams of a packet.
+    /// How much light comes to the rays of a packet.
     #[inline(always)]
-    fn light_all<'b, B, L>(&mut self, beams: &Numbered<B, L>, light: &mut Vec<f64>) -> Result<(), RayFault>
+    fn light_all<'r, R, B, L>(&mut self, batch: &Batch<'r, R, B, L>, light: &mut Vec<f64>) -> Result<(), RayFault>
     where
-        B: Fn(usize) -> (Beam, Option<&'b Site>),
-        L: Fn(usize) -> bool,
+        B: Fn(&'r R) -> (Beam, Option<&'r Site>),
+        L: Fn(usize, &R) -> bool,
     {
-        let Numbered { count, beam, leaves } = beams;
-        if *count == 1 {
-            return self.light_each(beams, light);
+        let Batch { rays, first, beam, leaves } = batch;
+        if rays.len() == 1 {
+            return self.light_each(batch, light);
         }
-        let packet = Packet::new(self.tracing.kernel, *count, beam);
+        let kernel = self.tracing.kernel;
+        let packet = Packet::new(kernel, rays.len(), |it| beam(&rays[it]));
         let mut ask = PacketAsk::new(Question::Any, &packet);
-        ask.leaving = (0..*count).fold(0, |bits, number| bits | u32::from(leaves(number)) << number);
+        for (number, ray) in rays.iter().enumerate() {
+            ask.leaving |= u32::from(leaves(first + number, ray)) << number;
+        }
         if !self.ask_together(&mut ask, &packet) {
-            return self.light_each(beams, light);
+            return self.light_each(batch, light);
         }
-        for ray in 0..*count {
-            light.push(ask.light(ray));
-        }
+        light.extend_from_slice(&ask.lights(kernel)[..rays.len()]);
         Ok(())
     }
 
-    /// How much light comes to beams, one after another: the first that meets a fault is the lowest.
+    /// How much light comes to rays, one after another: the first that meets a fault is the lowest.
     #[cold]
     #[inline(never)]
-    fn light_each<'b, B, L>(&mut self, beams: &Numbered<B, L>, light: &mut Vec<f64>) -> Result<(), RayFault>
+    fn light_each<'r, R, B, L>(&mut self, batch: &Batch<'r, R, B, L>, light: &mut Vec<f64>) -> Result<(), RayFault>
     where
-        B: Fn(usize) -> (Beam, Option<&'b Site>),
-        L: Fn(usize) -> bool,
+        B: Fn(&'r R) -> (Beam, Option<&'r Site>),
+        L: Fn(usize, &R) -> bool,
     {
-        let Numbered { count, beam, leaves } = beams;
-        for number in 0..*count {
-            let left = self.light_of(beam(number), leaves(number));
+        let Batch { rays, first, beam, leaves } = batch;
+        for (number, ray) in rays.iter().enumerate() {
+            let left = self.light_of(beam(ray), leaves(first + number, ray));
             light.push(left.map_err(|fault| RayFault { ray: number, fault })?);
         }
         Ok(())

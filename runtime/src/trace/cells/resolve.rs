@@ -40,12 +40,14 @@ pub(super) struct Resolver<'a, 's, 'g> {
     generation: &'g Generation,
     root: Root<'a>,
     cell_from_world: &'a Inwards,
-    /// The cell that the last hit was in, and the one before: what rays see through veils alternates with these.
-    place: Option<Box<Place<'g>>>,
-    other: Option<Box<Place<'g>>>,
+    /// The cells that the last hits were in, the last one first: rays side by side, and what they see through veils, alternate with few.
+    places: [Option<Box<Place<'g>>>; KNOWN],
     /// The fragments whose normals are not done.
     flats: Flats,
 }
+
+/// So many cells are known.
+const KNOWN: usize = 4;
 
 /// Where ways begin.
 #[derive(Clone, Copy)]
@@ -162,8 +164,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             generation,
             root: Root::State(root),
             cell_from_world,
-            place: None,
-            other: None,
+            places: Default::default(),
             flats: Flats::default(),
         }
     }
@@ -180,15 +181,14 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
             generation,
             root: Root::Cell(root),
             cell_from_world,
-            place: None,
-            other: None,
+            places: Default::default(),
             flats: Flats::default(),
         }
     }
 
     /// Forgets by which trail the last hits were where they were: trails are about to be made anew.
     pub(super) fn forget(&mut self) {
-        for place in [&mut self.place, &mut self.other].into_iter().flatten() {
+        for place in self.places.iter_mut().flatten() {
             place.trail = None;
         }
     }
@@ -213,9 +213,9 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         }
         let mark = hit.found.mark();
         self.go(notes, mark)?;
-        if let Some(place) = self.place.take() {
+        if let Some(place) = self.places[0].take() {
             self.see_surface(&place, mark, hit, seen);
-            self.place = Some(place);
+            self.places[0] = Some(place);
         }
         Ok(())
     }
@@ -266,7 +266,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
 
     /// Where the last hit was.
     pub(super) fn place(&self) -> Option<&Place<'g>> {
-        self.place.as_deref()
+        self.places[0].as_deref()
     }
 
     #[inline(always)]
@@ -297,35 +297,27 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// Goes to the cell of a surface, if the last one was not in the same.
     #[inline(always)]
     pub(super) fn go(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
-        if self.place.as_ref().is_some_and(|it| it.trail == Some(mark.trail)) {
-            Ok(())
-        } else {
-            self.go_on(notes, mark)
-        }
+        if self.place().is_some_and(|it| it.trail == Some(mark.trail)) { Ok(()) } else { self.go_on(notes, mark) }
     }
 
     /// Goes to another cell.
     fn go_on(&mut self, notes: &Notes, mark: Mark) -> Result<(), Fault> {
-        std::mem::swap(&mut self.place, &mut self.other);
-        if self.place.as_ref().is_some_and(|it| it.trail == Some(mark.trail)) {
-            return Ok(());
+        let is_there = |it: &Place| it.trail == Some(mark.trail) || notes.trails.leads(mark.trail, &it.path, it.length);
+        let known = self.places.iter().position(|it| it.as_deref().is_some_and(is_there));
+        // It becomes the first, and those before it move back; the one that was seen the longest time ago gives its room to one that is new.
+        for number in 1..=known.unwrap_or(KNOWN - 1) {
+            self.places.swap(0, number);
         }
-        let mut way = notes.trails.path(mark);
-        way.pop();
-        let is_known = |place: &Option<Box<Place>>| place.as_ref().is_some_and(|it| it.is_at_end_of(&way));
-        // What was seen last is what is most often seen next, by a trail of another number.
-        if is_known(&self.other) {
-            std::mem::swap(&mut self.place, &mut self.other);
-        }
-        match &mut self.place {
-            Some(place) if place.is_at_end_of(&way) => place.trail = Some(mark.trail),
-            Some(_) | None => {
-                let found = self.find(&way, mark.trail)?;
-                match &mut self.place {
-                    Some(place) => **place = found,
-                    None => self.place = Some(Box::new(found)),
-                }
+        if known.is_none() {
+            let mut way = notes.trails.path(mark);
+            way.pop();
+            let found = self.find(&way, mark.trail)?;
+            match &mut self.places[0] {
+                Some(place) => **place = found,
+                place => *place = Some(Box::new(found)),
             }
+        } else if let Some(place) = &mut self.places[0] {
+            place.trail = Some(mark.trail);
         }
         Ok(())
     }
@@ -388,7 +380,7 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
         let (normal, spread, face) = match part.member.named() {
             Named::Leaf(leaf) => {
                 let leaf = &cell.leaves[leaf as usize];
-                match self.flat_normal(place, leaf, mark).or_else(|| self.round_normal(place, leaf, hit)) {
+                match Self::flat_normal(place, cell, leaf, mark.face).or_else(|| self.round_normal(place, leaf, hit)) {
                     Some(outwards) => {
                         undone = Some(leaf.solid.then(|| hit.found.is_flipped()));
                         (outwards, 0.0, u32::from(mark.face))
@@ -471,8 +463,8 @@ impl<'a, 's, 'g> Resolver<'a, 's, 'g> {
     /// A vector along the normal of a flat face of a convex primitive in the world, outwards. The frames of such primitives are such that nothing here is out of
     /// range ([`LeafShape::Convex`](super::cell::LeafShape::Convex), [`near_one`]).
     #[inline(always)]
-    pub(super) fn flat_normal(&self, place: &Place, leaf: &Leaf, mark: Mark) -> Option<DVec3> {
-        let normal = self.cell_of(place).convex(leaf)?.flat_normal(u32::from(mark.face))?;
+    pub(super) fn flat_normal(place: &Place, cell: &Cell, leaf: &Leaf, face: u8) -> Option<DVec3> {
+        let normal = cell.convex(leaf)?.flat_normal(u32::from(face))?;
         Some(outwards(place, leaf, normal))
     }
 
@@ -567,11 +559,6 @@ impl Place<'_> {
     #[inline(always)]
     pub(super) fn path(&self) -> &Path {
         &self.path
-    }
-
-    /// Whether it is where a way of these parts leads.
-    fn is_at_end_of(&self, way: &[u32]) -> bool {
-        self.length == way.len() && self.path.starts_with(way)
     }
 
     /// The numbers of the parts on the way to a part.

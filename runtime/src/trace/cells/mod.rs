@@ -281,8 +281,7 @@ struct Caster<'a, 's, 'g, K: Kernel> {
     tracer: &'a CellTracer<'s>,
     tracing: Tracing<'a, 's, K>,
     generation: &'g Generation,
-    together: PacketScratch<'g, K>,
-    alone: Scratch<'g>,
+    scratch: PacketScratch<'g, K>,
     notes: Notes,
     resolver: Resolver<'a, 's, 'g>,
     /// Steps that the store does not know of yet.
@@ -299,8 +298,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
             tracer,
             tracing,
             generation,
-            together: PacketScratch::default(),
-            alone: Scratch::default(),
+            scratch: PacketScratch::default(),
             notes: Notes::default(),
             resolver: Resolver::of_state(&tracer.store, generation, ROOT, &tracer.cell_from_world),
             steps: 0,
@@ -499,7 +497,7 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let mut search = PacketSearch {
             tracing: &self.tracing,
             generation: self.generation,
-            scratch: &mut self.together,
+            scratch: &mut self.scratch,
             notes: &mut self.notes,
             ask,
         };
@@ -534,8 +532,14 @@ impl<'a, 's, 'g, K: Kernel> Caster<'a, 's, 'g, K> {
         let (called, from) = (Origin::NONE, ask.start_part(0));
         let (trail, paint) = (NONE, None);
         let passage = Passage { state, called, ray, boxes, from, trail, position: 0, levels: 0, unit, paint };
-        match store.cell(self.generation, state, Grain::Fine)? {
-            Some(cell) => self.tracing.search(self.generation, &mut self.alone, ask, Beginning { cell, passage }),
+        let cell = match self.generation.kept(state, Grain::Fine) {
+            Some(cell) => Some(cell),
+            None => store.cell(self.generation, state, Grain::Fine)?,
+        };
+        match cell {
+            Some(cell) => {
+                self.tracing.search(self.generation, &mut self.scratch.alone, ask, Beginning { cell, passage })
+            }
             None => self.ask_unkept(ask, passage),
         }
     }

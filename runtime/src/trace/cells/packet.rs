@@ -37,8 +37,8 @@ pub(super) struct PacketScratch<'g, K: Kernel> {
     /// How many of them.
     depth: usize,
     ahead: Vec<Ahead>,
-    /// For rays that go on alone.
-    alone: Scratch<'g>,
+    /// For rays that go on alone, or come alone.
+    pub(super) alone: Scratch<'g>,
 }
 
 impl<K: Kernel> Default for PacketScratch<'_, K> {
@@ -180,7 +180,8 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             let Some(frame) = self.scratch.last() else {
                 return Ok(());
             };
-            if self.tracing.cull && near > frame.to_most {
+            let rays = if self.tracing.cull { rays & frame.reaching(self.tracing.kernel, near) } else { rays };
+            if rays == 0 {
                 continue;
             }
             let cell = frame.cell;
@@ -659,6 +660,13 @@ impl<'g, K: Kernel> Frame<'g, K> {
         let from = if self.starting >> ray & 1 == 1 { self.from[ray] } else { NONE };
         let boxes = self.rays.boxes.ray(ray, local.origin);
         Passage { state, called, ray: local, boxes, from, trail, position, levels, unit, paint }
+    }
+
+    /// The rays for which a place does not lie behind all that is of interest.
+    #[inline(always)]
+    fn reaching(&self, kernel: K, near: f32) -> u32 {
+        let lanes = kernel.lanes();
+        !kernel.bits16(lanes.less_than_f32s(self.rays.to, lanes.splat_f32s(near)))
     }
 
     /// Finds where on each ray nothing more is of interest.

@@ -116,6 +116,9 @@ pub(super) fn f32_above(x: f64) -> f32 {
 /// else was met is of interest, and places on a ray are rounded.
 const ROOM: f64 = 1.0 / 524_288.0;
 
+/// Cells inside one another that most rays go into: so little room that allocators keep such pieces at hand.
+const USUAL: usize = 6;
+
 /// More than a number of single precision is off by rounding, in parts of itself.
 pub(super) const SINGLE: f64 = 1.0 / 8_388_608.0;
 
@@ -203,10 +206,17 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
     #[inline(always)]
     fn push_frame(&mut self, Start { cell, passage }: Start<'g>) {
         let start = f32_below(passage.ray.own(0.0));
-        let Scratch { frames, depth, .. } = &mut *self.scratch;
+        let Scratch { frames, depth, ahead, .. } = &mut *self.scratch;
         match frames.get_mut(*depth) {
             Some(frame) => (frame.cell, frame.passage, frame.start) = (cell, passage, start),
-            None => frames.push(Frame { cell, passage, start }),
+            None => {
+                if frames.is_empty() {
+                    // Room from the beginning: whoever asks along one ray alone is not to wait for it to grow.
+                    frames.reserve(USUAL);
+                    ahead.reserve(2 * WIDTH);
+                }
+                frames.push(Frame { cell, passage, start });
+            }
         }
         *depth += 1;
     }
@@ -297,10 +307,12 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 if in_order {
                     met.sort();
                 }
-                let mut boxes = met.iter().map(|(lane, _)| found(lane));
-                let nearest = boxes.next()?;
-                boxes.rev().for_each(|it| ahead.push(it));
-                Some(nearest)
+                let mut boxes = met.iter();
+                let (nearest, _) = boxes.next()?;
+                for (lane, _) in boxes.rev() {
+                    ahead.push(found(lane));
+                }
+                Some(found(nearest))
             }
         }
     }

@@ -5,14 +5,17 @@
 //! error absolute:
 //!
 //! - A ray that comes nearer than √3 has |origin| < 1.8 on each axis; rounding it moves it by up to 2⁻²⁴.
-//! - The difference of plane and origin is below 4 (2.8 in fact); rounding it moves the plane by up to 2⁻²³.
-//! - The direction, its inverse and the product are each rounded by a factor of 1 ± 2⁻²⁴, as if the plane had moved
-//!   by 2.8 · 1.5 · 2⁻²³.
+//! - The direction and its inverse are each rounded by a factor of 1 ± 2⁻²⁴, as if the plane had moved by 2.8 · 2⁻²³: plane
+//!   and origin are less than 2.8 apart.
+//! - A ray alone takes the difference of plane and origin, whose rounding moves the plane by up to 2⁻²³, times the inverse, whose rounding
+//!   moves it by 1.4 · 2⁻²³. A packet takes the plane times the inverse and the origin times the inverse, rounded as if plane and origin had
+//!   moved by 2⁻²⁴ and by 1.8 · 2⁻²⁴, and their difference, rounded as if the plane had moved by 1.4 · 2⁻²³. Where the processor does a
+//!   product and a sum in one there is one rounding less: so packets may look at other boxes there, but no ray meets anything else.
 //! - A part of the direction below 2⁻⁶⁰ is taken for 2⁻⁶⁰, which moves the ray by less than 2⁻⁵⁸ wherever it is near
 //!   the cell.
 //!
-//! Together a plane is off by less than 6 · 2⁻²³. Every box is grown by [`GROWTH`], 2⁻¹⁹ = 16 · 2⁻²³, on each side
-//! (and rounded outwards), so the computed slab holds the true one, with 10 · 2⁻²³ left over for what double
+//! Together a plane is off by less than 7 · 2⁻²³. Every box is grown by [`GROWTH`], 2⁻¹⁹ = 16 · 2⁻²³, on each side
+//! (and rounded outwards), so the computed slab holds the true one, with 9 · 2⁻²³ left over for what double
 //! precision does to the points in it. So no box that holds a hit is ever skipped, whatever the width.
 
 use glam::DVec3;
@@ -494,8 +497,9 @@ fn in_order<K: Kernel>(kernel: K, numbers: &[f32; WIDTH]) -> [u32; WIDTH] {
 #[cfg(test)]
 mod tests {
     use super::super::cell::{Named, Ref};
+    use super::super::ray::Inwards;
     use super::*;
-    use crate::lanes::{Plain, Task, dispatch};
+    use crate::lanes::{EIGHT, Plain, Task, dispatch};
 
     /// Numbers from 0 to 1.
     struct Dice(u64);
@@ -605,6 +609,75 @@ mod tests {
             }
         }
         assert!(met > 3000, "{met}");
+    }
+
+    /// Sixteen rays against the boxes of a node, in both ways: which rays meet each box, and a place before which none comes in.
+    struct MeetAll<'a>(&'a Node, &'a [(DVec3, DVec3); WIDTH], u32);
+
+    impl Task for MeetAll<'_> {
+        type Output = [([u16; WIDTH], [f32; WIDTH]); 2];
+
+        fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+            let Self(node, rays, mask) = self;
+            let world = Inwards::new(glam::DAffine3::IDENTITY);
+            let half = |half: usize| {
+                let part = |number: usize| {
+                    let of = |ray: &(DVec3, DVec3)| [ray.0, ray.1][number / 3][number % 3];
+                    let all: [f64; EIGHT] = std::array::from_fn(|lane| of(&rays[half * EIGHT + lane]));
+                    all
+                };
+                let vector = |first: usize| Wide3::of_arrays(kernel.lanes(), [0, 1, 2].map(|it| part(first + it)));
+                Locals::of_world(vector(0), vector(3), &world)
+            };
+            let boxes = BoxRays::new(kernel, &[half(0), half(1)], mask);
+            let sides = boxes.sides(node);
+            let lanes = kernel.lanes();
+            let places = (lanes.splat_f32s(f32::NEG_INFINITY), lanes.splat_f32s(f32::INFINITY));
+            let (may, near) = boxes.may_meet(kernel, node, &sides, f32::NEG_INFINITY, f32::INFINITY);
+            let together = (boxes.meet(kernel, &sides, may, mask, (&places.0, &places.1)), near);
+            let (some, near, each) = boxes.meet_few(kernel, node, mask, (&places.0, &places.1));
+            assert_eq!(some, (0..WIDTH).fold(0, |bits, it| bits | u32::from(each[it] != 0) << it));
+            [together, (each, near)]
+        }
+    }
+
+    #[test]
+    fn no_ray_of_a_packet_misses_a_box_that_holds_a_point_of_it() {
+        let mut dice = Dice(3);
+        let (mut all, mut one_way) = (0, 0);
+        for round in 0..2000 {
+            let boxes = boxes(&mut dice);
+            // Some nodes are not full.
+            let boxes = &boxes[..if round % 3 == 0 { 5 } else { WIDTH }];
+            let node = node(boxes);
+            let held: [usize; WIDTH] = std::array::from_fn(|_| (dice.next() * boxes.len() as f64) as usize);
+            // Half of the packets lie side by side, the others go all ways.
+            let target = dice.point() * 3.0;
+            let rays = held.map(|it| {
+                let point = point_in(&mut dice, &boxes[it]);
+                let direction = if round % 2 == 0 { target - point } else { dice.point() };
+                let direction = if dice.next() < 0.02 { DVec3::Y } else { direction.normalize() };
+                (point - direction * 3.0, direction)
+            });
+            let mask = if round % 5 == 0 { 0x0ff0 } else { 0xffff };
+            let agree =
+                (0..3).all(|axis| rays.iter().all(|it| it.1[axis] > 0.0) || rays.iter().all(|it| it.1[axis] < 0.0));
+            one_way += u32::from(agree);
+            for (met, near) in dispatch(MeetAll(&node, &rays, mask)) {
+                assert!((boxes.len()..WIDTH).all(|it| met[it] == 0), "a box that is not there");
+                assert!(met.iter().all(|it| u32::from(*it) & !mask == 0), "a ray that does not count");
+                for (ray, held) in held.iter().enumerate().filter(|it| mask >> it.0 & 1 == 1) {
+                    assert!(met[*held] >> ray & 1 == 1, "{:?} {:?}", boxes[*held], rays[ray]);
+                    // A ray's own origin is the point nearest the centre: the place of the point that the box holds on it.
+                    let (origin, direction) = rays[ray];
+                    assert!(near[*held] <= ((origin + direction * 3.0).dot(direction) as f32).next_up());
+                }
+                all += met.iter().map(|it| it.count_ones()).sum::<u32>();
+            }
+        }
+        // Rays miss most boxes: a test that says yes to all would fail here.
+        assert!(all < 2000 * 2 * 100, "{all}");
+        assert!(one_way > 200, "{one_way}");
     }
 
     /// Where the ray comes into the boxes that it meets.

@@ -196,20 +196,25 @@ impl BoxRays {
         Self { inverse, shift, spans, mixed }
     }
 
-    /// Of rays with the same directions as these from other origins.
+    /// Makes them rays from these origins with the directions of others.
     #[inline(always)]
-    pub(super) fn moved<K: Kernel>(&self, kernel: K, [low, high]: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
+    pub(super) fn move_to<K: Kernel>(
+        &mut self,
+        kernel: K,
+        [low, high]: &[Locals<K::Lanes>; 2],
+        mask: u32,
+        others: &Self,
+    ) {
         let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
         let origin = narrow(kernel, low.origin, high.origin);
-        let (mut shift, mut spans) = (origin, self.spans);
+        (self.inverse, self.spans, self.mixed) = (others.inverse, others.spans, others.mixed);
         for axis in 0..3 {
-            shift[axis] = shifted(lanes, origin[axis], self.inverse[axis]);
+            self.shift[axis] = shifted(lanes, origin[axis], others.inverse[axis]);
             // The directions of fewer rays lie within the same bounds.
-            if spans[axis].is_one_way() {
-                spans[axis] = Span::new(reach(lanes, mask, origin[axis]), spans[axis].inverse);
+            if others.spans[axis].is_one_way() {
+                self.spans[axis] = Span::new(reach(lanes, mask, origin[axis]), others.spans[axis].inverse);
             }
         }
-        Self { shift, spans, ..*self }
     }
 
     /// The planes of a node's boxes, in the order in which the rays meet them.
@@ -461,9 +466,9 @@ impl Opened {
         opened
     }
 
-    /// Puts the nearest first.
+    /// The same with the nearest first.
     #[inline(always)]
-    pub(super) fn sort(&mut self) {
+    pub(super) fn sorted(mut self) -> Self {
         for end in 1..self.count {
             let it = self.boxes[end];
             let mut place = end;
@@ -473,6 +478,7 @@ impl Opened {
             }
             self.boxes[place] = it;
         }
+        self
     }
 
     #[inline(always)]

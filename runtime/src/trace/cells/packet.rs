@@ -295,7 +295,6 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let Some(frame) = self.scratch.last() else {
             return;
         };
-        let number = self.scratch.depth as u32 - 1;
         let (kernel, cell) = (self.tracing.kernel, frame.cell);
         let rays = rays & self.ask.asking;
         let (boxes, near, meeting) = if self.tracing.cull && rays.count_ones() <= FEW {
@@ -308,23 +307,34 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         } else {
             (node.lanes(), [f32::NEG_INFINITY; WIDTH], [rays as u16; WIDTH])
         };
-        let mut met = Opened::new(kernel, boxes, &meeting, &near);
-        if self.ask.question != Question::Any {
-            met.sort();
-        }
         let bottom = self.scratch.ahead.len();
-        for (lane, rays) in met.iter() {
-            let rays = rays & self.ask.asking;
-            if rays == 0 {
-                continue;
+        // Often there is nothing to be put in order.
+        if boxes.count_ones() > 1 && self.ask.question != Question::Any {
+            for (lane, rays) in Opened::new(kernel, boxes, &meeting, &near).sorted().iter() {
+                self.look_into(cell, node.inside[lane], near[lane], rays);
             }
-            let what = node.inside[lane];
-            match what.named() {
-                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
-                _ => self.scratch.ahead.push(Ahead { near: near[lane], what, frame: number, rays }),
+        } else {
+            for lane in lanes_of(boxes) {
+                self.look_into(cell, node.inside[lane % WIDTH], near[lane % WIDTH], u32::from(meeting[lane % WIDTH]));
             }
         }
         self.scratch.ahead[bottom..].reverse();
+    }
+
+    /// Looks at what is in a box that rays meet if it is a leaf, else puts it on the stack.
+    #[inline(always)]
+    fn look_into(&mut self, cell: &Cell, what: Ref, near: f32, rays: u32) {
+        let rays = rays & self.ask.asking;
+        if rays == 0 {
+            return;
+        }
+        match what.named() {
+            Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+            _ => {
+                let frame = self.scratch.depth as u32 - 1;
+                self.scratch.ahead.push(Ahead { near, what, frame, rays });
+            }
+        }
     }
 
     /// Goes into a cell inside this one.
@@ -408,11 +418,11 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let (Some(outer), Some(inner)) = (outer.last(), inner.first_mut()) else {
             return Ok(());
         };
-        inner.rays.boxes = if instance.way.is_straight() {
-            outer.rays.boxes.moved(kernel, &inner.rays.local, rays)
+        if instance.way.is_straight() {
+            inner.rays.boxes.move_to(kernel, &inner.rays.local, rays, &outer.rays.boxes);
         } else {
-            BoxRays::new(kernel, &inner.rays.local, rays)
-        };
+            inner.rays.boxes = BoxRays::new(kernel, &inner.rays.local, rays);
+        }
         let position = outer_way.position + 1;
         let number = instance.part | grain.bits();
         let trail = self.notes.trails.on(outer_way.trail, number);

@@ -16,7 +16,7 @@ use super::store::{Generation, Store, led_by};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::{MaterialId, Origin};
 use crate::geometry::{ConvexSet, Crossing, FACE, Pierced, Ray, Relief, Shown, Side};
-use crate::lanes::{Kernel, One};
+use crate::lanes::{Kernel, One, lanes_of};
 use crate::texture::{Rough, Roughs};
 use crate::trace::Site;
 
@@ -302,17 +302,22 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 ahead.push(second);
                 Some(first)
             }
-            _ => {
-                let mut met = Opened::new(self.tracing.kernel, bits, &[1; WIDTH], &near);
-                if in_order {
-                    met.sort();
-                }
+            _ if in_order => {
+                let met = Opened::new(self.tracing.kernel, bits, &[1; WIDTH], &near).sorted();
                 let mut boxes = met.iter();
                 let (nearest, _) = boxes.next()?;
                 for (lane, _) in boxes.rev() {
                     ahead.push(found(lane));
                 }
                 Some(found(nearest))
+            }
+            _ => {
+                let mut boxes = lanes_of(bits);
+                let first = boxes.next()?;
+                for lane in boxes {
+                    ahead.push(found(lane % WIDTH));
+                }
+                Some(found(first % WIDTH))
             }
         }
     }

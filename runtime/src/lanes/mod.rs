@@ -2,7 +2,8 @@
 //!
 //! Code that is written over [`Wide`] runs on eight numbers at once or on one alone. Each operation is that of IEEE 754, lane by
 //! lane: none is fused, none is approximate. So what a lane comes to does not depend on the machine, nor on how many lanes there
-//! are, and a ray traced alone meets the same things at the same places, to the bit, as a ray traced among others.
+//! are, and a ray traced alone meets the same things at the same places, to the bit, as a ray traced among others. What decides only where
+//! a packet looks may fuse: it takes numbers of single precision from [`Kernel::lanes`].
 
 mod plain;
 mod single;
@@ -27,7 +28,7 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// Its operations.
     type Lanes: Simd<f64s = f64x8, u64s = u64x8, f32s = f32x16, u32s = u32x16>;
 
-    /// Its operations on one register, for what should stay in registers: a register of sixteen numbers or a part of one.
+    /// Its operations on one register of the machine, for what is often asked for few of the sixteen rays.
     type Register: Simd;
 
     /// What the operations are called on.
@@ -36,25 +37,14 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// What the operations on one register are called on.
     fn register(self) -> Self::Register;
 
-    /// The lanes of a register that are set, one bit each.
-    fn register_bits(self, mask: <Self::Register as Simd>::m32s) -> u32;
-
     /// The lanes of a register of double precision that are set, one bit each.
     fn wide_bits(self, mask: <Self::Register as Simd>::m64s) -> u32;
 
     /// The lanes of a register of double precision whose bits are set.
     fn wide_mask(self, bits: u32) -> <Self::Register as Simd>::m64s;
 
-    /// How many numbers of double precision a register holds,
+    /// How many numbers of double precision a register holds.
     const WIDE: usize = <Self::Register as Simd>::F64_LANES;
-    /// and how many registers hold one for each ray of sixteen.
-    const PARTS: usize = SIXTEEN / Self::WIDE;
-
-    /// The registers that sixteen numbers fill.
-    #[inline(always)]
-    fn registers(numbers: &f32x16) -> &[<Self::Register as Simd>::f32s] {
-        bytemuck::cast_slice(std::slice::from_ref(numbers))
-    }
 
     /// The registers that eight numbers fill, or several times eight.
     #[inline(always)]
@@ -74,10 +64,27 @@ pub(crate) trait Kernel: Copy + Send + Sync {
         bytemuck::cast_slice_mut(numbers)
     }
 
-    /// What rays of a register have of the bits of sixteen.
+    /// Those of sixteen bits that belong to the lanes of a register.
     #[inline(always)]
     fn bits_of_part(bits: u32, part: usize) -> u32 {
         bits >> (part * Self::WIDE) & ((1 << Self::WIDE) - 1)
+    }
+
+    /// The registers with lanes to which any of sixteen bits belong, and the bits of each.
+    #[inline(always)]
+    fn parts(mut bits: u32) -> impl Iterator<Item = (usize, u32)> {
+        std::iter::from_fn(
+            #[inline(always)]
+            move || {
+                if bits == 0 {
+                    return None;
+                }
+                let part = bits.trailing_zeros() as usize / Self::WIDE;
+                let here = Self::bits_of_part(bits, part);
+                bits ^= here << (part * Self::WIDE);
+                Some((part, here))
+            },
+        )
     }
 
     /// The lanes that are set, one bit each.

@@ -23,11 +23,6 @@ impl Kernel for Plain {
     }
 
     #[inline(always)]
-    fn register_bits(self, mask: pulp::m32x16) -> u32 {
-        self.bits16(mask)
-    }
-
-    #[inline(always)]
     fn wide_bits(self, mask: pulp::m64x8) -> u32 {
         self.bits(mask)
     }

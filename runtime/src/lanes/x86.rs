@@ -21,11 +21,6 @@ impl Kernel for V4 {
     }
 
     #[inline(always)]
-    fn register_bits(self, mask: pulp::b16) -> u32 {
-        u32::from(mask.0)
-    }
-
-    #[inline(always)]
     fn wide_bits(self, mask: pulp::b8) -> u32 {
         u32::from(mask.0)
     }
@@ -167,11 +162,6 @@ impl Kernel for V3 {
     #[inline(always)]
     fn register(self) -> Self {
         self
-    }
-
-    #[inline(always)]
-    fn register_bits(self, mask: pulp::m32x8) -> u32 {
-        self.avx._mm256_movemask_ps(cast(mask)) as u32
     }
 
     #[inline(always)]

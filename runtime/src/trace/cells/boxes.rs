@@ -257,38 +257,43 @@ impl BoxRays {
         sides: &Sides,
         boxes: u32,
         rays: u32,
-        (from, to): (&f32x16, &f32x16),
+        places: (&f32x16, &f32x16),
     ) -> [u16; WIDTH] {
-        let count = <K::Register as Simd>::F32_LANES;
         let mut met = [0; WIDTH];
-        for part in 0..WIDTH / count {
-            // Half of the rays of a packet are often somewhere else.
-            let here = rays >> (part * count) & ((1_u64 << count) - 1) as u32;
-            if here == 0 {
-                continue;
-            }
-            let part = Part {
-                kernel,
-                inverse: [0, 1, 2].map(
-                    #[inline(always)]
-                    |axis| K::registers(&self.inverse[axis])[part],
-                ),
-                shift: [0, 1, 2].map(
-                    #[inline(always)]
-                    |axis| K::registers(&self.shift[axis])[part],
-                ),
-                from: K::registers(from)[part],
-                to: K::registers(to)[part],
-                rays: here,
-                first: part * count,
-            };
-            if self.mixed {
-                part.meet::<true>(sides, boxes, &mut met);
-            } else {
-                part.meet::<false>(sides, boxes, &mut met);
-            }
+        if self.mixed {
+            self.meet_each::<K, true>(kernel, sides, boxes, rays, places, &mut met);
+        } else {
+            self.meet_each::<K, false>(kernel, sides, boxes, rays, places, &mut met);
         }
         met
+    }
+
+    #[inline(always)]
+    fn meet_each<K: Kernel, const MIXED: bool>(
+        &self,
+        kernel: K,
+        sides: &Sides,
+        boxes: u32,
+        rays: u32,
+        (from, to): (&f32x16, &f32x16),
+        met: &mut [u16; WIDTH],
+    ) {
+        let lanes = kernel.lanes();
+        for number in lanes_of(boxes) {
+            let number = number % WIDTH;
+            let (mut near, mut far) = (*from, *to);
+            for axis in 0..3 {
+                let (inverse, shift) = (self.inverse[axis], self.shift[axis]);
+                let mut first = lanes.mul_add_e_f32s(lanes.splat_f32s(sides.first[axis][number]), inverse, shift);
+                let mut last = lanes.mul_add_e_f32s(lanes.splat_f32s(sides.last[axis][number]), inverse, shift);
+                if MIXED {
+                    (first, last) = (lanes.min_f32s(first, last), lanes.max_f32s(first, last));
+                }
+                near = lanes.max_f32s(near, first);
+                far = lanes.min_f32s(far, last);
+            }
+            met[number] = (kernel.bits16(lanes.less_than_or_equal_f32s(near, far)) & rays) as u16;
+        }
     }
 
     /// As [`BoxRays::may_meet`] and [`BoxRays::meet`] for so few rays that it is less work to hold each against all boxes.
@@ -349,42 +354,6 @@ impl BoxRays {
 #[inline(always)]
 fn number_of(numbers: &f32x16, lane: usize) -> f32 {
     bytemuck::cast_ref::<f32x16, [f32; WIDTH]>(numbers)[lane]
-}
-
-/// As many of sixteen rays as a register holds.
-struct Part<K: Kernel> {
-    kernel: K,
-    inverse: [<K::Register as Simd>::f32s; 3],
-    shift: [<K::Register as Simd>::f32s; 3],
-    from: <K::Register as Simd>::f32s,
-    to: <K::Register as Simd>::f32s,
-    /// Those that count, one bit each, and the number of the first.
-    rays: u32,
-    first: usize,
-}
-
-impl<K: Kernel> Part<K> {
-    /// Adds which of the rays meet some boxes.
-    #[inline(always)]
-    fn meet<const MIXED: bool>(&self, sides: &Sides, boxes: u32, met: &mut [u16; WIDTH]) {
-        let lanes = self.kernel.register();
-        for number in lanes_of(boxes) {
-            let number = number % WIDTH;
-            let (mut near, mut far) = (self.from, self.to);
-            for axis in 0..3 {
-                let (inverse, shift) = (self.inverse[axis], self.shift[axis]);
-                let mut first = lanes.mul_add_e_f32s(lanes.splat_f32s(sides.first[axis][number]), inverse, shift);
-                let mut last = lanes.mul_add_e_f32s(lanes.splat_f32s(sides.last[axis][number]), inverse, shift);
-                if MIXED {
-                    (first, last) = (lanes.min_f32s(first, last), lanes.max_f32s(first, last));
-                }
-                near = lanes.max_f32s(near, first);
-                far = lanes.min_f32s(far, last);
-            }
-            let bits = self.kernel.register_bits(lanes.less_than_or_equal_f32s(near, far));
-            met[number] |= ((bits & self.rays) << self.first) as u16;
-        }
-    }
 }
 
 /// Where rays meet the plane through the centre of their frame.

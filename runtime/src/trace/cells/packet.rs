@@ -588,11 +588,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let mark = Found::new(Mark { trail: frame.way.trail, part: leaf.part, face: 0 }, false);
         let mut apart = 0;
         // Few rays meet the same leaf if leaves are small: no register is computed that none of them is in.
-        for part in 0..K::PARTS {
-            let rays = K::bits_of_part(rays, part);
-            if rays == 0 {
-                continue;
-            }
+        for (part, rays) in K::parts(rays) {
             let local = Locals::part(kernel, &frame.rays.local, part);
             let pieces = convex.pieces(lanes, &local.lines(leaf));
             let asking = Mask::new(lanes, kernel.wide_mask(rays));

@@ -82,14 +82,10 @@ impl<K: Kernel> PacketSearch<'_, '_, '_, '_, '_, K> {
     fn meet_boolean(&mut self, cell: &Cell, boolean: &Boolean, rays: u32) -> u32 {
         let kernel = self.tracing.kernel;
         let mut apart = 0;
-        for part in 0..K::PARTS {
-            let rays = K::bits_of_part(rays, part);
+        for (part, rays) in K::parts(rays) {
             let Some(frame) = self.scratch.last() else {
                 return 0;
             };
-            if rays == 0 {
-                continue;
-            }
             let (local, tame) = frame.counted_from_start(kernel, part);
             let lines = Part { kernel, cell, trail: frame.way.trail, local };
             let line = lines.inside(boolean);

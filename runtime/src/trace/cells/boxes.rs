@@ -208,11 +208,11 @@ impl BoxRays {
         let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
         let origin = narrow(kernel, low.origin, high.origin);
         (self.inverse, self.spans, self.mixed) = (others.inverse, others.spans, others.mixed);
-        for axis in 0..3 {
-            self.shift[axis] = shifted(lanes, origin[axis], others.inverse[axis]);
+        for (axis, origin) in origin.into_iter().enumerate() {
+            self.shift[axis] = shifted(lanes, origin, others.inverse[axis]);
             // The directions of fewer rays lie within the same bounds.
             if others.spans[axis].is_one_way() {
-                self.spans[axis] = Span::new(reach(lanes, mask, origin[axis]), others.spans[axis].inverse);
+                self.spans[axis] = Span::new(reach(lanes, mask, origin), others.spans[axis].inverse);
             }
         }
     }
@@ -342,8 +342,8 @@ impl BoxRays {
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize, origin: DVec3) -> BoxRay {
         let mut inverse = [0.0; 3];
-        for axis in 0..3 {
-            inverse[axis] = number_of(&self.inverse[axis], lane);
+        for (axis, inverse) in inverse.iter_mut().enumerate() {
+            *inverse = number_of(&self.inverse[axis], lane);
         }
         let origin = [origin.x as f32, origin.y as f32, origin.z as f32];
         BoxRay { origin, inverse, upper: [upper(inverse[0]), upper(inverse[1]), upper(inverse[2])] }

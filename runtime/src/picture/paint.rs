@@ -122,7 +122,8 @@ impl Paint {
         !shines && self.bump.is_none() && self.relief.is_none()
     }
 
-    /// Whether light that falls on it is scattered or shines, and nothing else: it neither mirrors nor lets light through, and has no texture.
+    /// Whether it is bare: light that falls on it is scattered or shines, and nothing else. It neither mirrors nor lets light through, and has no
+    /// texture.
     fn bareness(&self) -> Bareness {
         let textured = self.shade.is_some() || self.bump.is_some() || self.relief.is_some();
         let bare = !textured && self.mirror == 0.0 && self.translucent == 0.0;

@@ -176,38 +176,34 @@ impl<'q> PacketAsk<'q> {
     /// The rays that have found something.
     #[inline(always)]
     pub(super) fn met<K: Kernel>(&self, kernel: K) -> u32 {
+        !self.found_alike(kernel, u64::MAX, Found::NOTHING.0) & 0xffff
+    }
+
+    /// The rays that have found a surface that is flipped, or nothing.
+    #[inline(always)]
+    pub(super) fn flipped<K: Kernel>(&self, kernel: K) -> u32 {
+        self.found_alike(kernel, Found::FLIP, Found::FLIP)
+    }
+
+    /// The rays that have found something in the cell to which this trail leads.
+    #[inline(always)]
+    pub(super) fn on_trail<K: Kernel>(&self, kernel: K, trail: u32) -> u32 {
+        self.found_alike(kernel, Found::of_trail(u32::MAX), Found::of_trail(trail))
+    }
+
+    /// The rays whose find has these values in some of its bits.
+    #[inline(always)]
+    fn found_alike<K: Kernel>(&self, kernel: K, bits: u64, values: u64) -> u32 {
         let lanes = kernel.lanes();
-        let nothing = lanes.splat_u64s(Found::NOTHING.0);
-        let low = kernel.bits(lanes.equal_u64s(self.found[0], nothing));
-        let high = kernel.bits(lanes.equal_u64s(self.found[1], nothing));
-        !(low | high << EIGHT) & 0xffff
+        let (bits, values, [low, high]) = (lanes.splat_u64s(bits), lanes.splat_u64s(values), self.found);
+        let low = kernel.bits(lanes.equal_u64s(lanes.and_u64s(low, bits), values));
+        low | kernel.bits(lanes.equal_u64s(lanes.and_u64s(high, bits), values)) << EIGHT
     }
 
     /// What each ray has found.
     #[inline(always)]
     pub(super) fn founds(&self) -> &[u64; RAYS] {
         bytemuck::cast_ref(&self.found)
-    }
-
-    /// The rays that have found a surface that is flipped, or nothing.
-    #[inline(always)]
-    pub(super) fn flipped<K: Kernel>(&self, kernel: K) -> u32 {
-        let lanes = kernel.lanes();
-        let flip = lanes.splat_u64s(Found::FLIP);
-        let low = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[0], flip), flip));
-        let high = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[1], flip), flip));
-        low | high << EIGHT
-    }
-
-    /// The rays that have found something in the cell to which this trail leads.
-    #[inline(always)]
-    pub(super) fn on_trail<K: Kernel>(&self, kernel: K, trail: u32) -> u32 {
-        let lanes = kernel.lanes();
-        let trail = lanes.splat_u64s(Found::of_trail(trail));
-        let all = lanes.splat_u64s(Found::of_trail(u32::MAX));
-        let low = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[0], all), trail));
-        let high = kernel.bits(lanes.equal_u64s(lanes.and_u64s(self.found[1], all), trail));
-        low | high << EIGHT
     }
 
     /// What pieces of the rays of a register, or surfaces that they meet (with no `far`), say to the question, as [`Ask::meet`]. Gives

@@ -2,8 +2,8 @@
 //!
 //! Code that is written over [`Wide`] runs on eight numbers at once or on one alone. Each operation is that of IEEE 754, lane by
 //! lane: none is fused, none is approximate. So what a lane comes to does not depend on the machine, nor on how many lanes there
-//! are, and a ray traced alone meets the same things at the same places, to the bit, as a ray traced among others. What decides only where
-//! a packet looks may fuse: it takes numbers of single precision from [`Kernel::lanes`].
+//! are, and a ray traced alone meets the same things at the same places, to the bit, as a ray traced among others. Only what decides
+//! where packets look, and nothing else, is fused where the machine can (`trace/cells/boxes.rs`).
 
 mod plain;
 mod single;

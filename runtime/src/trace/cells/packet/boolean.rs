@@ -40,7 +40,7 @@ struct Line<S: Simd> {
     odd: Mask<S>,
 }
 
-/// The lines of eight rays in a cell.
+/// The lines of a register's rays in a cell.
 #[derive(Clone, Copy)]
 struct Part<'c, K: Kernel> {
     kernel: K,

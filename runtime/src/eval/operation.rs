@@ -10,6 +10,7 @@ use smallvec::SmallVec;
 use super::{angle, noise, random};
 use crate::fault::{Fault, FaultKind};
 use crate::form::{BinaryOp, Builtin, Draw, Origin, UnaryOp, Value, Vector};
+use crate::lanes::Plain;
 
 /// What went wrong in an operation; where is known to whoever runs it.
 #[derive(Debug)]
@@ -221,7 +222,7 @@ pub(crate) fn noise(seed: u64, args: &[&Value]) -> Result<Value, Failure> {
         },
         _ => return Err(Failure::types("noise", args)),
     };
-    sound(noise::noise_value(seed, point), "noise", args).map(Value::Number)
+    sound(noise::noise_value(Plain, seed, point), "noise", args).map(Value::Number)
 }
 
 /// The built-in functions that need nothing but their arguments.

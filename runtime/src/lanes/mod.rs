@@ -31,6 +31,10 @@ pub(crate) trait Kernel: Copy + Send + Sync {
     /// Its operations on one register of the machine, for what is often asked for few of the sixteen rays.
     type Register: Simd;
 
+    /// What operations on four numbers are called on, if the machine has them.
+    #[cfg(target_arch = "x86_64")]
+    fn four(self) -> Option<pulp::x86::V3>;
+
     /// What the operations are called on.
     fn lanes(self) -> Self::Lanes;
 

@@ -12,6 +12,12 @@ impl Kernel for Plain {
     type Lanes = pulp::Scalar512b;
     type Register = pulp::Scalar512b;
 
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn four(self) -> Option<pulp::x86::V3> {
+        None
+    }
+
     #[inline(always)]
     fn lanes(self) -> Self::Lanes {
         pulp::Scalar512b

@@ -11,6 +11,11 @@ impl Kernel for V4 {
     type Register = Self;
 
     #[inline(always)]
+    fn four(self) -> Option<V3> {
+        Some(*self)
+    }
+
+    #[inline(always)]
     fn lanes(self) -> Self {
         self
     }
@@ -153,6 +158,11 @@ impl Kernel for V4 {
 impl Kernel for V3 {
     type Lanes = V3_512b;
     type Register = Self;
+
+    #[inline(always)]
+    fn four(self) -> Option<Self> {
+        Some(self)
+    }
 
     #[inline(always)]
     fn lanes(self) -> V3_512b {

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
+use super::footprint::left_of_waves;
 use super::{Footprint, Tone};
 use crate::eval::{NOISE_VARIANCE, Tangent, gradient_noise, mix, noise_value, spread};
 use crate::form::Fbm;
+use crate::lanes::{Kernel, Task, dispatch};
 
 /// Its mean.
 pub(super) const MEAN: f64 = 0.5;
@@ -52,34 +54,97 @@ impl Octaves {
 
     /// The value alone, of all octaves: what [`Octaves::at`] gives for a point.
     pub(super) fn value_at(&self, point: DVec3) -> f64 {
-        let one = |it: &Octave| it.amplitude * noise_value(it.seed, point * it.frequency + it.shift);
-        self.0.iter().fold(MEAN, |sum, it| sum + one(it))
+        dispatch(ValueAt { octaves: &self.0, point })
     }
 
-    /// Whether that value is at most this high. Octave by octave it is known better, so most points need not be asked for all of them.
+    /// Whether that value is at most this high.
     pub(super) fn is_at_most(&self, height: f64, point: DVec3) -> bool {
-        /// Noise is never further from 0.
-        const MOST: f64 = 1.1;
-        let mut rest: f64 = self.0.iter().map(|it| it.amplitude * MOST).sum();
-        let mut value = MEAN;
-        for octave in &self.0 {
-            if (value - height).abs() > rest + 1e-9 {
-                break;
-            }
-            value += octave.amplitude * noise_value(octave.seed, point * octave.frequency + octave.shift);
-            rest -= octave.amplitude * MOST;
-        }
-        value <= height
+        dispatch(IsAtMost { octaves: &self.0, height, point })
     }
 
     pub(super) fn at(&self, point: DVec3, footprint: &Footprint) -> Tone {
+        dispatch(At { octaves: &self.0, point, square: footprint.square() })
+    }
+}
+
+impl Octave {
+    /// What it adds at a point.
+    #[inline(always)]
+    fn value_at<K: Kernel>(&self, kernel: K, point: DVec3) -> f64 {
+        self.amplitude * noise_value(kernel, self.seed, point * self.frequency + self.shift)
+    }
+}
+
+/// See [`Octaves::value_at`].
+struct ValueAt<'a> {
+    octaves: &'a [Octave],
+    point: DVec3,
+}
+
+impl Task for ValueAt<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> f64 {
+        let mut value = MEAN;
+        for octave in self.octaves {
+            value += octave.value_at(kernel, self.point);
+        }
+        value
+    }
+}
+
+/// See [`Octaves::is_at_most`]. Octave by octave the value is known better, so most points need not be asked for all of them.
+struct IsAtMost<'a> {
+    octaves: &'a [Octave],
+    height: f64,
+    point: DVec3,
+}
+
+impl Task for IsAtMost<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> bool {
+        /// Noise is never further from 0.
+        const MOST: f64 = 1.1;
+        let mut rest = 0.0;
+        for octave in self.octaves {
+            rest += octave.amplitude * MOST;
+        }
+        let mut value = MEAN;
+        for octave in self.octaves {
+            if (value - self.height).abs() > rest + 1e-9 {
+                break;
+            }
+            value += octave.value_at(kernel, self.point);
+            rest -= octave.amplitude * MOST;
+        }
+        value <= self.height
+    }
+}
+
+/// See [`Octaves::at`].
+struct At<'a> {
+    octaves: &'a [Octave],
+    point: DVec3,
+    /// Of the footprint.
+    square: f64,
+}
+
+impl Task for At<'_> {
+    type Output = Tone;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> Tone {
         let mut tone = Tone { value: MEAN, slope: DVec3::ZERO };
-        for octave in &self.0 {
-            let left = octave.amplitude * footprint.left_of_waves(octave.frequency * std::f64::consts::TAU);
+        for octave in self.octaves {
+            let left = octave.amplitude * left_of_waves(self.square, octave.frequency * std::f64::consts::TAU);
             if left == 0.0 {
                 continue;
             }
-            let Tangent { value, slope } = gradient_noise(octave.seed, point * octave.frequency + octave.shift);
+            let place = self.point * octave.frequency + octave.shift;
+            let Tangent { value, slope } = gradient_noise(kernel, octave.seed, place);
             tone.value += left * value;
             tone.slope += slope * (left * octave.frequency);
         }

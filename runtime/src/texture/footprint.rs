@@ -57,11 +57,17 @@ impl Footprint {
         self.across.cross(self.along).length().sqrt()
     }
 
-    /// How much is left of waves of all directions, of so many radians a metre.
-    pub(super) fn left_of_waves(&self, wave_number: f64) -> f64 {
-        // Between the ellipse's axes lies the side of a square of its area.
-        fade(self.across.cross(self.along).length() * wave_number * wave_number)
+    /// The area of a square on its axes.
+    pub(super) fn square(&self) -> f64 {
+        self.across.cross(self.along).length()
     }
+}
+
+/// How much is left of waves of all directions, of so many radians a metre, of a footprint whose [`Footprint::square`] this is.
+#[inline]
+pub(super) fn left_of_waves(square: f64, wave_number: f64) -> f64 {
+    // The ellipse's axes are taken for the sides of a square of its area.
+    fade(square * wave_number * wave_number)
 }
 
 /// (1 - v/16)^8, which comes near e^(-v/2), is smooth, and ends.

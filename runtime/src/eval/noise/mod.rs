@@ -1,8 +1,12 @@
 //! Gradient noise (K. Perlin, "Improving noise", 2002), on the hash of this crate.
 
+#[cfg(target_arch = "x86_64")]
+mod corners;
+
 use glam::DVec3;
 
 use super::path::spread;
+use crate::lanes::Kernel;
 
 /// A number that varies in space: its value at a point, and how it grows from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +28,29 @@ const SECOND: f64 = 36.0 / 13.0 - 180.0 / 12.0 + 345.0 / 11.0 - 300.0 / 10.0 + 1
 const AXES: [u64; 3] = [0x8a5c_d789_635d_2dff, 0x1215_5b0f_6a1b_c5ab, 0xd1b5_4a32_d192_ed03];
 
 /// Smooth noise at a point, between -1 and 1, 0 at every point of the whole-number lattice. The seed decides the gradients.
-pub(crate) fn gradient_noise(seed: u64, point: DVec3) -> Tangent {
+///
+/// What it gives does not depend on the kernel.
+#[inline(always)]
+pub(crate) fn gradient_noise<K: Kernel>(kernel: K, seed: u64, point: DVec3) -> Tangent {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = kernel.four() {
+        return corners::gradient_noise(simd, seed, point);
+    }
+    gradient_noise_by_corner(seed, point)
+}
+
+/// The value of [`gradient_noise`] alone.
+#[inline(always)]
+pub(crate) fn noise_value<K: Kernel>(kernel: K, seed: u64, point: DVec3) -> f64 {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = kernel.four() {
+        return corners::noise_value(simd, seed, point);
+    }
+    noise_value_by_corner(seed, point)
+}
+
+/// [`gradient_noise`], one corner after the other.
+fn gradient_noise_by_corner(seed: u64, point: DVec3) -> Tangent {
     let cell = Cell::of(seed, point);
     let rise = cell.inside * cell.inside * (cell.inside * (cell.inside - 2.0) + 1.0) * 30.0;
     let corner = |x: bool, y: bool, z: bool| {
@@ -42,8 +68,8 @@ pub(crate) fn gradient_noise(seed: u64, point: DVec3) -> Tangent {
     between(2, along_y(false), along_y(true))
 }
 
-/// The value of [`gradient_noise`] alone.
-pub(crate) fn noise_value(seed: u64, point: DVec3) -> f64 {
+/// [`noise_value`], one corner after the other.
+fn noise_value_by_corner(seed: u64, point: DVec3) -> f64 {
     let cell = Cell::of(seed, point);
     let mut corners = [0.0; 8];
     for (number, value) in corners.iter_mut().enumerate() {
@@ -127,6 +153,22 @@ fn gradient(hash: u64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Plain, Task, dispatch};
+
+    /// What noise is with the widest registers of the machine, value and all, and the value alone.
+    struct Noise(u64, DVec3);
+
+    impl Task for Noise {
+        type Output = (Tangent, f64);
+
+        fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+            (gradient_noise(kernel, self.0, self.1), noise_value(kernel, self.0, self.1))
+        }
+    }
+
+    fn gradient_noise_at(seed: u64, point: DVec3) -> Tangent {
+        gradient_noise(Plain, seed, point)
+    }
 
     /// Points that lie everywhere in the cells, those of negative coordinates too.
     fn points() -> impl Iterator<Item = DVec3> {
@@ -134,9 +176,28 @@ mod tests {
     }
 
     #[test]
+    fn registers_of_all_widths_give_the_same_to_the_bit() {
+        let bits = |it: &Tangent| [it.value, it.slope.x, it.slope.y, it.slope.z].map(f64::to_bits);
+        let far =
+            [1e15, 2.26e15, 4.5e15, 4.6e15, 1e17, 1e300, f64::INFINITY, f64::NAN].map(|it| DVec3::new(it, 0.3, -it));
+        let near = [0.0, -0.0, 1.0, -1.0, 1e-300, -1e-300, -1e-17].map(|it| DVec3::new(it, -it, 0.5));
+        for (number, point) in points().chain(far).chain(near).enumerate() {
+            let seed = spread(number as u64);
+            let (tangent, value) = dispatch(Noise(seed, point));
+            let expected = gradient_noise_at(seed, point);
+            if expected.value.is_nan() {
+                assert!(tangent.value.is_nan() && value.is_nan(), "{point}");
+            } else {
+                assert_eq!(bits(&tangent), bits(&expected), "{point}");
+                assert_eq!(value.to_bits(), expected.value.to_bits(), "{point}");
+            }
+        }
+    }
+
+    #[test]
     fn the_value_alone_is_the_value_to_the_bit_and_numbers_are_parted_by_their_floor() {
         for point in points().chain([DVec3::splat(1e300), DVec3::new(-1e17, 4.5e15, 4.6e15)]) {
-            assert_eq!(noise_value(5, point).to_bits(), gradient_noise(5, point).value.to_bits(), "{point}");
+            assert_eq!(noise_value(Plain, 5, point).to_bits(), gradient_noise_at(5, point).value.to_bits(), "{point}");
             for number in point.to_array() {
                 for number in [number, -number, number.floor(), -0.0, 0.0, number * 1e-18, -number * 1e-18] {
                     let (below, rest) = parted(number);
@@ -151,8 +212,8 @@ mod tests {
     fn noise_is_zero_on_the_lattice_and_bounded_between() {
         let mut largest: f64 = 0.0;
         for point in points() {
-            assert_eq!(gradient_noise(5, point.floor()).value, 0.0);
-            largest = largest.max(gradient_noise(5, point).value.abs());
+            assert_eq!(gradient_noise_at(5, point.floor()).value, 0.0);
+            largest = largest.max(gradient_noise_at(5, point).value.abs());
         }
         assert!((0.5..=1.0).contains(&largest), "{largest}");
     }
@@ -163,7 +224,7 @@ mod tests {
             for axis in 0..3 {
                 let (mut before, mut after) = (point, point);
                 (before[axis], after[axis]) = (4.0 - 1e-10, 4.0 + 1e-10);
-                let (before, after) = (gradient_noise(1, before), gradient_noise(1, after));
+                let (before, after) = (gradient_noise_at(1, before), gradient_noise_at(1, after));
                 assert!((before.value - after.value).abs() < 1e-9);
                 assert!((before.slope - after.slope).abs().max_element() < 1e-8);
             }
@@ -174,12 +235,12 @@ mod tests {
     fn the_slope_of_noise_is_that_of_its_differences() {
         let step = 1e-6;
         for point in points().take(2000) {
-            let slope = gradient_noise(9, point).slope;
+            let slope = gradient_noise_at(9, point).slope;
             for axis in 0..3 {
                 let beside = |side: f64| {
                     let mut beside = point;
                     beside[axis] += side;
-                    gradient_noise(9, beside).value
+                    gradient_noise_at(9, beside).value
                 };
                 let difference = (beside(step) - beside(-step)) / (2.0 * step);
                 assert!((slope[axis] - difference).abs() < 1e-6, "{point} {axis}: {slope} {difference}");
@@ -190,7 +251,7 @@ mod tests {
     #[test]
     fn noise_has_its_mean_and_variance_and_is_the_same_along_all_axes() {
         let count = points().count() as f64;
-        let values: Vec<Tangent> = points().map(|it| gradient_noise(2, it)).collect();
+        let values: Vec<Tangent> = points().map(|it| gradient_noise_at(2, it)).collect();
         let mean = values.iter().map(|it| it.value).sum::<f64>() / count;
         let variance = values.iter().map(|it| it.value * it.value).sum::<f64>() / count;
         assert!(mean.abs() < 0.01, "{mean}");

@@ -31,6 +31,9 @@ pub(super) const WIDTH: usize = 16;
 /// By how much boxes are grown on each side; see above.
 const GROWTH: f64 = 1.0 / 524_288.0;
 
+/// Rays of a packet that are held against all boxes of a node one by one if there are no more.
+pub(super) const FEW: u32 = 5;
+
 /// A part of a direction is not taken for less.
 const LEAST: f32 = 1.0 / (1_u64 << 60) as f32;
 
@@ -60,6 +63,10 @@ fn upper(inverse: f32) -> u8 {
 
 /// Which boxes of a node a ray meets, one bit a box, and where it comes into each.
 pub(super) type Met = (u32, [f32; WIDTH]);
+
+/// Which rays of a packet meet each box of a node. It is filled where it stands: a processor waits where it has to read at once what was written in
+/// parts.
+pub(super) type Meeting = [u16; WIDTH];
 
 impl Node {
     /// A node without boxes.
@@ -149,7 +156,7 @@ pub(super) struct BoxRays {
     inverse: [f32x16; 3],
     /// Where each ray meets the plane through the centre of the frame, on each axis: what is added for the one through a place.
     shift: [f32x16; 3],
-    /// What all rays that count have in common on each axis.
+    /// What all rays that count have in common on each axis; of [`FEW`] only which way they go.
     spans: [Span; 3],
     /// Whether some of the rays go one way on an axis and some the other.
     mixed: bool,
@@ -182,14 +189,19 @@ impl BoxRays {
     /// Of rays with directions of about length 1, of which those of `mask` count.
     #[inline(always)]
     pub(super) fn new<K: Kernel>(kernel: K, [low, high]: &[Locals<K::Lanes>; 2], mask: u32) -> Self {
-        let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
+        let (lanes, rays, mask) = (kernel.lanes(), mask, kernel.mask16(mask));
         let [x, y, z] = narrow(kernel, low.direction, high.direction);
         let inverse = [inverse_of(kernel, x), inverse_of(kernel, y), inverse_of(kernel, z)];
         let origin = narrow(kernel, low.origin, high.origin);
         let (mut shift, mut spans, mut mixed) = (origin, [Span::ANY; 3], false);
         for axis in 0..3 {
             shift[axis] = shifted(lanes, origin[axis], inverse[axis]);
-            spans[axis] = Span::new(reach(lanes, mask, origin[axis]), reach(lanes, mask, inverse[axis]));
+            spans[axis] = if rays.count_ones() <= FEW {
+                let down = kernel.bits16(lanes.less_than_f32s(inverse[axis], lanes.splat_f32s(0.0)));
+                Span::of_few(rays, down & rays)
+            } else {
+                Span::new(reach(lanes, mask, origin[axis]), reach(lanes, mask, inverse[axis]))
+            };
             mixed |= !spans[axis].is_one_way();
         }
         Self { inverse, shift, spans, mixed }
@@ -204,13 +216,13 @@ impl BoxRays {
         mask: u32,
         others: &Self,
     ) {
-        let (lanes, mask) = (kernel.lanes(), kernel.mask16(mask));
+        let (lanes, is_few, mask) = (kernel.lanes(), mask.count_ones() <= FEW, kernel.mask16(mask));
         let origin = narrow(kernel, low.origin, high.origin);
         (self.inverse, self.spans, self.mixed) = (others.inverse, others.spans, others.mixed);
         for (axis, origin) in origin.into_iter().enumerate() {
             self.shift[axis] = shifted(lanes, origin, others.inverse[axis]);
             // The directions of fewer rays lie within the same bounds.
-            if others.spans[axis].is_one_way() {
+            if !is_few && others.spans[axis].is_one_way() {
                 self.spans[axis] = Span::new(reach(lanes, mask, origin), others.spans[axis].inverse);
             }
         }
@@ -227,7 +239,7 @@ impl BoxRays {
         sides
     }
 
-    /// The boxes of a node that some of the rays may meet between two places, and a place before which none comes in.
+    /// The boxes of a node that some of the rays may meet between two places, and a place before which none comes in. More than [`FEW`] rays.
     ///
     /// A box is left out only where every ray by itself would leave it out.
     #[inline(always)]
@@ -248,24 +260,22 @@ impl BoxRays {
         (kernel.bits16(met), pulp::cast(near))
     }
 
-    /// Which of some rays meet some boxes of a node between two places on each, by box.
+    /// Notes which of some rays meet some boxes of a node between two places on each, by box.
     #[inline(always)]
     pub(super) fn meet<K: Kernel>(
         &self,
         kernel: K,
         sides: &Sides,
-        boxes: u32,
-        rays: u32,
+        boxes_and_rays: (u32, u32),
         places: (&f32x16, &f32x16),
-    ) -> [u16; WIDTH] {
-        let mut met = [0; WIDTH];
+        met: &mut Meeting,
+    ) {
         // Once for each kind: it is not asked again for each box.
         if self.mixed {
-            self.meet_each(kernel, sides, true, (boxes, rays), places, &mut met);
+            self.meet_each(kernel, sides, true, boxes_and_rays, places, met);
         } else {
-            self.meet_each(kernel, sides, false, (boxes, rays), places, &mut met);
+            self.meet_each(kernel, sides, false, boxes_and_rays, places, met);
         }
-        met
     }
 
     #[inline(always)]
@@ -276,7 +286,7 @@ impl BoxRays {
         mixed: bool,
         (boxes, rays): (u32, u32),
         (from, to): (&f32x16, &f32x16),
-        met: &mut [u16; WIDTH],
+        met: &mut Meeting,
     ) {
         let lanes = kernel.lanes();
         for number in lanes_of(boxes) {
@@ -299,7 +309,8 @@ impl BoxRays {
         node: &Node,
         rays: u32,
         (from, to): (&f32x16, &f32x16),
-    ) -> (u32, [f32; WIDTH], [u16; WIDTH]) {
+        met: &mut Meeting,
+    ) -> Met {
         let lanes = kernel.lanes();
         let sides = self.sides(node);
         let there = if self.mixed {
@@ -307,7 +318,7 @@ impl BoxRays {
         } else {
             u32::MAX
         };
-        let (mut boxes, mut met) = (0, [0; WIDTH]);
+        let mut boxes = 0;
         let mut least = lanes.splat_f32s(f32::INFINITY);
         for ray in lanes_of(rays) {
             let ray = ray % WIDTH;
@@ -325,7 +336,7 @@ impl BoxRays {
                 met[number % WIDTH] |= 1 << ray;
             }
         }
-        (boxes, pulp::cast(least), met)
+        (boxes, pulp::cast(least))
     }
 
     /// The ray of a lane, whose origin is this.
@@ -408,6 +419,17 @@ impl Span {
         }
     }
 
+    /// Of rays of which nothing is asked but whether all of them, or none, go `down`.
+    #[inline(always)]
+    fn of_few(rays: u32, down: u32) -> Self {
+        let one_way = Self { first: 0.0, last: 0.0, ..Self::ANY };
+        match down {
+            0 => one_way,
+            _ if down == rays => Self { upper: 3, ..one_way },
+            _ => Self::ANY,
+        }
+    }
+
     #[inline(always)]
     fn is_one_way(&self) -> bool {
         self.first < f32::INFINITY
@@ -429,23 +451,20 @@ pub(super) struct Opened {
 }
 
 impl Opened {
-    /// Of some boxes, which rays meet each, and where the first of these may come in.
+    /// None yet.
+    pub(super) const NONE: Self = Self { boxes: [0; WIDTH], count: 0 };
+
+    /// Takes some boxes in, of which it is known which rays meet each, and where the first of these may come in, and puts them in order, the nearest
+    /// first.
     #[inline(always)]
-    pub(super) fn new<K: Kernel>(kernel: K, boxes: u32, rays: &[u16; WIDTH], near: &[f32; WIDTH]) -> Self {
+    pub(super) fn sort<K: Kernel>(&mut self, kernel: K, boxes: u32, rays: &Meeting, near: &[f32; WIDTH]) {
         let order = in_order(kernel, near);
-        let mut opened = Self { boxes: [0; WIDTH], count: 0 };
         for lane in lanes_of(boxes) {
             let lane = lane % WIDTH;
             let rays = u64::from(rays[lane]);
-            opened.boxes[opened.count % WIDTH] = u64::from(order[lane]) << 32 | (lane as u64) << 16 | rays;
-            opened.count += usize::from(rays != 0);
+            self.boxes[self.count % WIDTH] = u64::from(order[lane]) << 32 | (lane as u64) << 16 | rays;
+            self.count += usize::from(rays != 0);
         }
-        opened
-    }
-
-    /// The same with the nearest first.
-    #[inline(always)]
-    pub(super) fn sorted(mut self) -> Self {
         for end in 1..self.count {
             let it = self.boxes[end];
             let mut place = end;
@@ -455,7 +474,6 @@ impl Opened {
             }
             self.boxes[place] = it;
         }
-        self
     }
 
     #[inline(always)]
@@ -616,11 +634,15 @@ mod tests {
             let sides = boxes.sides(node);
             let lanes = kernel.lanes();
             let places = (lanes.splat_f32s(f32::NEG_INFINITY), lanes.splat_f32s(f32::INFINITY));
-            let (may, near) = boxes.may_meet(kernel, node, &sides, f32::NEG_INFINITY, f32::INFINITY);
-            let together = (boxes.meet(kernel, &sides, may, mask, (&places.0, &places.1)), near);
-            let (some, near, each) = boxes.meet_few(kernel, node, mask, (&places.0, &places.1));
+            let (mut all, mut each) = ([0; WIDTH], [0; WIDTH]);
+            let (some, near) = boxes.meet_few(kernel, node, mask, (&places.0, &places.1), &mut each);
             assert_eq!(some, (0..WIDTH).fold(0, |bits, it| bits | u32::from(each[it] != 0) << it));
-            [together, (each, near)]
+            if mask.count_ones() <= FEW {
+                return [(each, near); 2];
+            }
+            let (may, near_all) = boxes.may_meet(kernel, node, &sides, f32::NEG_INFINITY, f32::INFINITY);
+            boxes.meet(kernel, &sides, (may, mask), (&places.0, &places.1), &mut all);
+            [(all, near_all), (each, near)]
         }
     }
 
@@ -642,7 +664,7 @@ mod tests {
                 let direction = if dice.next() < 0.02 { DVec3::Y } else { direction.normalize() };
                 (point - direction * 3.0, direction)
             });
-            let mask = if round % 5 == 0 { 0x0ff0 } else { 0xffff };
+            let mask = [0x0ff0, 0x8421, 0xffff, 0xffff, 0xffff][round % 5];
             let agree =
                 (0..3).all(|axis| rays.iter().all(|it| it.1[axis] > 0.0) || rays.iter().all(|it| it.1[axis] < 0.0));
             one_way += u32::from(agree);

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 mod boolean;
 
 use super::ask::{Found, Mark, NONE, Notes, Question, start_part};
-use super::boxes::{BoxRays, Node, Opened, WIDTH};
+use super::boxes::{BoxRays, FEW, Node, Opened, WIDTH};
 use super::cell::{Cell, Grain, Leaf, LeafShape, Named, Ref};
 use super::company::{Answer, Halves, Packet, PacketAsk, RAYS};
 use super::ending::{Met as Ended, ending};
@@ -23,9 +23,6 @@ use crate::lanes::{EIGHT, Kernel, Mask, Wide, lanes_of, negative16, select16};
 
 /// Rays that go into a cell alone if no more are left: all sixteen would have to be brought into its frame.
 const ALONE: u32 = 2;
-
-/// Rays that are held against all boxes of a node one by one if there are no more.
-const FEW: u32 = 5;
 
 /// Cells inside one another that most rays go into.
 const USUAL: usize = 8;
@@ -62,7 +59,7 @@ struct Frame<'g, K: Kernel> {
     wild: u32,
     /// As of when `rays.to` is.
     changes: u32,
-    /// The least of where the rays inside begin, and the greatest of where nothing more is of interest.
+    /// The least of where the rays inside begin, and the greatest of where nothing more is of interest; not kept for [`FEW`] rays.
     from_least: f32,
     to_most: f32,
 }
@@ -193,7 +190,10 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             }
             match named {
                 Named::Node(node) => self.node(&cell.nodes[node as usize], rays),
-                Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+                Named::Leaf(leaf) => {
+                    let leaf = &cell.leaves[leaf as usize];
+                    self.leaf(cell, leaf, leaf.part, rays);
+                }
                 Named::Instance(instance) => self.instance(instance, rays)?,
                 Named::Boolean(boolean) => self.boolean(boolean, rays)?,
             }
@@ -260,7 +260,9 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let begin = kernel.narrow(begin[0].value, begin[1].value);
         // Rays that are elsewhere begin behind all boxes.
         frame.rays.from = select16(lanes, kernel.mask16(rays), begin, lanes.splat_f32s(f32::INFINITY));
-        frame.from_least = -most(kernel, negative16(lanes, frame.rays.from));
+        if rays.count_ones() > FEW {
+            frame.from_least = -most(kernel, negative16(lanes, frame.rays.from));
+        }
         (frame.inside, frame.wild) = (rays, !tame);
         frame.renew(kernel, self.ask);
         let (cell, way) = (frame.cell, frame.way);
@@ -286,7 +288,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let kernel = self.tracing.kernel;
         kernel.vectorize(
             #[inline(always)]
-            || self.open(node, rays),
+            move || self.open(node, rays),
         );
     }
 
@@ -297,39 +299,53 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         };
         let (kernel, cell) = (self.tracing.kernel, frame.cell);
         let rays = rays & self.ask.asking;
-        let (boxes, near, meeting) = if self.tracing.cull && rays.count_ones() <= FEW {
-            frame.rays.boxes.meet_few(kernel, node, rays, (&frame.rays.from, &frame.rays.to))
+        let places = (&frame.rays.from, &frame.rays.to);
+        let mut meeting = [0; WIDTH];
+        let (boxes, near) = if self.tracing.cull && rays.count_ones() <= FEW {
+            frame.rays.boxes.meet_few(kernel, node, rays, places, &mut meeting)
         } else if self.tracing.cull {
             let sides = frame.rays.boxes.sides(node);
             let (boxes, near) = frame.rays.boxes.may_meet(kernel, node, &sides, frame.from_least, frame.to_most);
-            let places = (&frame.rays.from, &frame.rays.to);
-            (boxes, near, frame.rays.boxes.meet(kernel, &sides, boxes, rays, places))
+            frame.rays.boxes.meet(kernel, &sides, (boxes, rays), places, &mut meeting);
+            (boxes, near)
         } else {
-            (node.lanes(), [f32::NEG_INFINITY; WIDTH], [rays as u16; WIDTH])
+            meeting = [rays as u16; WIDTH];
+            (node.lanes(), [f32::NEG_INFINITY; WIDTH])
         };
+        // Where cells are not in the processor's cache, it fetches all leaves at once.
+        let mut parts = [NONE; WIDTH];
+        for lane in lanes_of(boxes) {
+            let lane = lane % WIDTH;
+            if let Named::Leaf(leaf) = node.inside[lane].named() {
+                parts[lane] = cell.leaves[leaf as usize].part;
+            }
+        }
         let bottom = self.scratch.ahead.len();
         // Often there is nothing to be put in order.
         if boxes.count_ones() > 1 && self.ask.question != Question::Any {
-            for (lane, rays) in Opened::new(kernel, boxes, &meeting, &near).sorted().iter() {
-                self.look_into(cell, node.inside[lane], near[lane], rays);
+            let mut opened = Opened::NONE;
+            opened.sort(kernel, boxes, &meeting, &near);
+            for (lane, rays) in opened.iter() {
+                self.look_into(cell, (node.inside[lane], parts[lane]), near[lane], rays);
             }
         } else {
             for lane in lanes_of(boxes) {
-                self.look_into(cell, node.inside[lane % WIDTH], near[lane % WIDTH], u32::from(meeting[lane % WIDTH]));
+                let lane = lane % WIDTH;
+                self.look_into(cell, (node.inside[lane], parts[lane]), near[lane], u32::from(meeting[lane]));
             }
         }
         self.scratch.ahead[bottom..].reverse();
     }
 
-    /// Looks at what is in a box that rays meet if it is a leaf, else puts it on the stack.
+    /// Looks at what is in a box that rays meet if it is a leaf, of this part, else puts it on the stack.
     #[inline(always)]
-    fn look_into(&mut self, cell: &Cell, what: Ref, near: f32, rays: u32) {
+    fn look_into(&mut self, cell: &Cell, (what, part): (Ref, u32), near: f32, rays: u32) {
         let rays = rays & self.ask.asking;
         if rays == 0 {
             return;
         }
         match what.named() {
-            Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], rays),
+            Named::Leaf(leaf) => self.leaf(cell, &cell.leaves[leaf as usize], part, rays),
             _ => {
                 let frame = self.scratch.depth as u32 - 1;
                 self.scratch.ahead.push(Ahead { near, what, frame, rays });
@@ -342,7 +358,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let kernel = self.tracing.kernel;
         kernel.vectorize(
             #[inline(always)]
-            || self.go_into(number, rays),
+            move || self.go_into(number, rays),
         )
     }
 
@@ -502,17 +518,17 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         made.map_err(|fault| Box::new(led_by(fault, std::iter::once(store.step(self.generation, state, called)))))
     }
 
-    /// Looks at a leaf.
-    fn leaf(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+    /// Looks at a leaf, of this part.
+    fn leaf(&mut self, cell: &Cell, leaf: &Leaf, part: u32, rays: u32) {
         let kernel = self.tracing.kernel;
         kernel.vectorize(
             #[inline(always)]
-            || self.meet(cell, leaf, rays),
+            move || self.meet(cell, leaf, part, rays),
         );
     }
 
     #[inline(always)]
-    fn meet(&mut self, cell: &Cell, leaf: &Leaf, rays: u32) {
+    fn meet(&mut self, cell: &Cell, leaf: &Leaf, part: u32, rays: u32) {
         let Some(frame) = self.scratch.last() else {
             return;
         };
@@ -520,7 +536,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let mut rays = rays;
         let starting = rays & frame.starting;
         if starting != 0 {
-            let here = starting & frame.starts_on(self.tracing.kernel, leaf.part);
+            let here = starting & frame.starts_on(self.tracing.kernel, part);
             let left = leaf.left_by(here, self.ask.leaving);
             rays &= !left;
             for ray in lanes_of(here & !left) {
@@ -533,7 +549,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
                 }
             }
             for ray in lanes_of(starting & !here & self.ask.through) {
-                if cell.is_one(frame.from[ray], leaf.part) {
+                if cell.is_one(frame.from[ray], part) {
                     rays &= !(1 << ray);
                 }
             }
@@ -542,14 +558,14 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let together = rays & !apart;
         match leaf.shape {
             LeafShape::Convex(number) if together != 0 => {
-                apart |= self.convex(leaf, &cell.convexes[number as usize], together);
+                apart |= self.convex(leaf, part, &cell.convexes[number as usize], together);
             }
             LeafShape::Hull(_) if together != 0 => {
                 if rough_set(&self.tracing.store.roughs, cell, leaf, frame.way.paint).is_some() {
                     apart = rays;
                 } else if let Some((shown, alike)) = self.shown(cell, leaf, together) {
                     apart |= together & !alike;
-                    apart |= self.convex(leaf, &shown, alike);
+                    apart |= self.convex(leaf, part, &shown, alike);
                 }
             }
             LeafShape::Convex(_) | LeafShape::Hull(_) => {}
@@ -579,13 +595,13 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
 
     /// What rays meet of a convex leaf; gives those that have to ask one by one.
     #[inline(always)]
-    fn convex(&mut self, leaf: &Leaf, convex: &impl Pierced, rays: u32) -> u32 {
+    fn convex(&mut self, leaf: &Leaf, part: u32, convex: &impl Pierced, rays: u32) -> u32 {
         let Some(frame) = self.scratch.last() else {
             return 0;
         };
         let kernel = self.tracing.kernel;
         let lanes = kernel.register();
-        let mark = Found::new(Mark { trail: frame.way.trail, part: leaf.part, face: 0 }, false);
+        let mark = Found::new(Mark { trail: frame.way.trail, part, face: 0 }, false);
         let mut apart = 0;
         // Few rays meet the same leaf if leaves are small: no register is computed that none of them is in.
         for (part, rays) in K::parts(rays) {
@@ -684,7 +700,9 @@ impl<'g, K: Kernel> Frame<'g, K> {
         let high = above_single(high.own(Wide::new(lanes, ask.best[1])));
         let (to, here) = (kernel.narrow(low.value, high.value), kernel.mask16(self.inside & ask.asking));
         self.rays.to = select16(lanes, here, to, lanes.splat_f32s(f32::NEG_INFINITY));
-        self.to_most = most(kernel, self.rays.to);
+        if self.inside.count_ones() > FEW {
+            self.to_most = most(kernel, self.rays.to);
+        }
         self.changes = ask.changes;
     }
 }

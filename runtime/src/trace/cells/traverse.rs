@@ -303,7 +303,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
                 Some(first)
             }
             _ if in_order => {
-                let met = Opened::new(self.tracing.kernel, bits, &[1; WIDTH], &near).sorted();
+                let mut met = Opened::NONE;
+                met.sort(self.tracing.kernel, bits, &[1; WIDTH], &near);
                 let mut boxes = met.iter();
                 let (nearest, _) = boxes.next()?;
                 for (lane, _) in boxes.rev() {

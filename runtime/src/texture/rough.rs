@@ -8,11 +8,13 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use pulp::{Simd, f64x8};
 use smallvec::SmallVec;
 
 use super::{Field, Footprint};
 use crate::form::{Fbm, Material, MaterialId, Pattern, Texture};
-use crate::geometry::{Chord, Crossing, Plane, Ray, Shown};
+use crate::geometry::{Chord, Crossing, Ray, Shown};
+use crate::lanes::{EIGHT, Kernel, Mask, Task, Wide, dispatch};
 
 /// How a surface is carved.
 #[derive(Clone, Debug)]
@@ -26,18 +28,18 @@ pub(crate) struct Rough {
 #[derive(Clone, Debug)]
 pub(crate) struct Roughs(Vec<Option<Arc<Rough>>>);
 
-/// A line on its way through a set, and the planes that it comes near to.
+/// A line on its way through a set, and the planes that it comes near to: how far behind each it is at t = 0, by how much less a t further
+/// on, and the face.
 struct Rind<'l> {
     line: &'l Ray,
-    planes: SmallVec<[Near; 12]>,
+    // Invariant: both are filled up to eights with what is nowhere near; there are as many faces as planes.
+    depths: SmallVec<[f64; FEW]>,
+    speeds: SmallVec<[f64; FEW]>,
+    faces: SmallVec<[u32; FEW]>,
 }
 
-/// A plane that a line comes near to: its face, how far behind it the line is where it begins, and by how much less a t further on.
-struct Near {
-    face: u32,
-    depth: f64,
-    speed: f64,
-}
+/// Of most sets a line comes near to fewer planes.
+const FEW: usize = 64;
 
 /// Sizes of noise: the largest lumps are about three times as wide as they are deep.
 const OCTAVES: u32 = 3;
@@ -62,47 +64,94 @@ impl Roughs {
 
 impl<'l> Rind<'l> {
     /// The planes to which a line comes nearer than this between two places: behind all others it is deeper all the way.
-    fn new(set: &Shown<'_>, line: &'l Ray, ends: [f64; 2], depth: f64) -> Self {
-        let near = |(face, Plane { normal, offset }): (usize, Plane)| Near {
-            face: face as u32,
-            depth: offset - normal.dot(line.origin),
-            speed: normal.dot(line.direction),
-        };
-        let planes = set.all().enumerate().map(near);
-        Self { line, planes: planes.filter(|it| ends.iter().any(|t| it.below(*t) < depth)).collect() }
+    #[inline(always)]
+    fn new<K: Kernel>(kernel: K, set: &Shown<'_>, line: &'l Ray, ends: [f64; 2], depth: f64) -> Self {
+        let mut rind = Self { line, depths: SmallVec::new(), speeds: SmallVec::new(), faces: SmallVec::new() };
+        let count = set.count();
+        set.along(
+            kernel,
+            line,
+            #[inline(always)]
+            |first, distance, speed| {
+                let (near, far) = (distance - speed * speed.all(ends[0]), distance - speed * speed.all(ends[1]));
+                let limit = speed.all(depth);
+                let mut bits = kernel.bits((near.lt(limit) | far.lt(limit)).value);
+                if first + EIGHT > count {
+                    bits &= (1 << (count - first)) - 1;
+                }
+                while bits != 0 {
+                    let lane = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    rind.depths.push(distance.lane(lane));
+                    rind.speeds.push(speed.lane(lane));
+                    rind.faces.push((first + lane) as u32);
+                }
+            },
+        );
+        while rind.depths.len() % EIGHT != 0 {
+            rind.depths.push(f64::INFINITY);
+            rind.speeds.push(0.0);
+        }
+        rind
+    }
+
+    /// How far behind the planes a line is at t = 0, and by how much less a t further on.
+    #[inline(always)]
+    fn eights(&self) -> (&[f64x8], &[f64x8]) {
+        (bytemuck::cast_slice(&self.depths), bytemuck::cast_slice(&self.speeds))
     }
 
     /// The part between two places that lies at least so deep.
-    fn core(&self, [mut near, mut far]: [f64; 2], depth: f64) -> Option<[f64; 2]> {
-        for plane in &self.planes {
-            let end = (plane.depth - depth) / plane.speed;
-            if plane.speed > 0.0 {
-                far = far.min(end);
-            } else if plane.speed < 0.0 {
-                near = near.max(end);
-            } else if plane.depth < depth {
-                return None;
-            }
+    #[inline(always)]
+    fn core<K: Kernel>(&self, kernel: K, [near, far]: [f64; 2], depth: f64) -> Option<[f64; 2]> {
+        let lanes = kernel.lanes();
+        let (zero, depth) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, depth));
+        let (mut nears, mut fars) = (zero.all(near), zero.all(far));
+        let mut outside = Mask::none(lanes);
+        let (depths, speeds) = self.eights();
+        for number in 0..depths.len().min(speeds.len()) {
+            let (distance, speed) = (Wide::new(lanes, depths[number]), Wide::new(lanes, speeds[number]));
+            let end = (distance - depth) / speed;
+            let (leaves, enters) = (speed.gt(zero), speed.lt(zero));
+            fars = (leaves & end.lt(fars)).select(end, fars);
+            nears = (enters & end.gt(nears)).select(end, nears);
+            outside = outside | (!(leaves | enters) & distance.lt(depth));
         }
-        (near <= far).then_some([near, far])
+        let (near, far) = (-least(-nears), least(fars));
+        (outside.is_none() && near <= far).then_some([near, far])
     }
 
     /// How deep a place lies.
-    fn depth(&self, t: f64) -> f64 {
-        self.planes.iter().map(|it| it.below(t)).fold(f64::INFINITY, f64::min)
+    #[inline(always)]
+    fn depth<K: Kernel>(&self, kernel: K, t: f64) -> f64 {
+        let lanes = kernel.lanes();
+        let t = Wide::splat(lanes, t);
+        let mut deep = t.all(f64::INFINITY);
+        let (depths, speeds) = self.eights();
+        for number in 0..depths.len().min(speeds.len()) {
+            deep = (Wide::new(lanes, depths[number]) - Wide::new(lanes, speeds[number]) * t).min(deep);
+        }
+        least(deep)
     }
 
     /// The face that a place is nearest to, if it is near to any.
     fn face(&self, t: f64) -> Option<u32> {
+        let planes = self.faces.iter().zip(&self.depths).zip(&self.speeds);
+        let below = planes.map(|((face, depth), speed)| (*face, depth - speed * t));
         // Of two that are as near the last one, as where all planes are asked.
-        self.planes.iter().rev().min_by(|a, b| a.below(t).total_cmp(&b.below(t))).map(|it| it.face)
+        below.rev().min_by(|a, b| a.1.total_cmp(&b.1)).map(|it| it.0)
     }
 }
 
-impl Near {
-    fn below(&self, t: f64) -> f64 {
-        self.depth - self.speed * t
+/// The least of eight numbers.
+#[inline(always)]
+fn least<S: Simd<f64s = f64x8>>(numbers: Wide<S>) -> f64 {
+    let numbers: [f64; EIGHT] = pulp::cast(numbers.value);
+    let mut least = numbers[0];
+    for number in numbers {
+        least = if number < least { number } else { least };
     }
+    least
 }
 
 impl Rough {
@@ -130,37 +179,34 @@ impl Rough {
         chord: Chord,
         is_enough: impl Fn(f64) -> bool,
     ) -> Option<(Crossing, Option<Crossing>)> {
-        let (near, far) = (chord.near.t, chord.far.t);
-        if !(near.is_finite() && far.is_finite()) {
+        if !(chord.near.t.is_finite() && chord.far.t.is_finite()) {
             return Some((chord.near, Some(chord.far)));
         }
-        let rind = Rind::new(set, line, [near, far], self.depth);
-        // What is deeper than anything is carved: there the search ends at the latest.
-        let [first, last] = match rind.core([near, far], self.depth) {
-            Some([first, last]) => [(first, Some(first)), (last, Some(last))],
-            None => [(far, None), (near, None)],
-        };
-        let enter = |from: f64, (to, otherwise): (f64, Option<f64>)| self.entry(&rind, from, to).or(otherwise);
-        let crossing = |t: f64| Crossing { t, face: rind.face(t).unwrap_or_else(|| set.nearest_face(line.at(t))) };
-        let entered = enter(near, first)?;
-        if is_enough(entered) {
-            return Some((crossing(entered), None));
-        }
-        // What is thinner than steps tell apart is still there.
-        let least = entered + 1e-12 * (far - near);
-        Some((crossing(entered), Some(crossing(enter(far, last)?.max(least)))))
+        dispatch(Search { rough: self, set, line, chord, is_enough })
     }
 
     /// Where a line on its way from a place on the set's surface to another first comes to a point of the carved solid.
-    fn entry(&self, rind: &Rind<'_>, from: f64, to: f64) -> Option<f64> {
+    #[inline(always)]
+    fn entry<K: Kernel>(&self, kernel: K, rind: &Rind<'_>, from: f64, to: f64) -> Option<f64> {
         let length = (to - from).abs() * rind.line.direction.length();
         let steps = (length / self.depth * STEPS_A_DEPTH).ceil().clamp(1.0, MOST_STEPS);
-        let at = |number: u32| from + (to - from) * (f64::from(number) / steps);
-        let first = (1..=steps as u32).find(|it| self.holds(rind, at(*it)))?;
-        let (mut outside, mut inside) = (at(first - 1), at(first));
+        if steps.is_nan() {
+            return None;
+        }
+        let (mut number, mut outside) = (1.0, from);
+        let mut inside = loop {
+            let place = from + (to - from) * (number / steps);
+            if self.holds(kernel, rind, place) {
+                break place;
+            }
+            if number >= steps {
+                return None;
+            }
+            (number, outside) = (number + 1.0, place);
+        };
         for _ in 0..HALVINGS {
             let middle = outside * 0.5 + inside * 0.5;
-            if self.holds(rind, middle) {
+            if self.holds(kernel, rind, middle) {
                 inside = middle;
             } else {
                 outside = middle;
@@ -170,8 +216,9 @@ impl Rough {
     }
 
     /// Whether a point of a line belongs to the carved solid.
-    fn holds(&self, rind: &Rind<'_>, t: f64) -> bool {
-        let below = rind.depth(t);
+    #[inline(always)]
+    fn holds<K: Kernel>(&self, kernel: K, rind: &Rind<'_>, t: f64) -> bool {
+        let below = rind.depth(kernel, t);
         // So deep down nothing is carved away.
         below >= self.depth || below >= 0.0 && self.noise.is_at_most(below / self.depth, rind.line.at(t))
     }
@@ -181,6 +228,41 @@ impl Rough {
         let tone = self.noise.at(point, &Footprint::POINT);
         let slope = if (0.0..=1.0).contains(&tone.value) { tone.slope } else { DVec3::ZERO };
         (plane + slope * self.depth).normalize()
+    }
+}
+
+/// Asks for the ends of what is left of a piece of a line.
+struct Search<'r, F> {
+    rough: &'r Rough,
+    set: &'r Shown<'r>,
+    line: &'r Ray,
+    /// It ends on both sides.
+    chord: Chord,
+    is_enough: F,
+}
+
+impl<F: Fn(f64) -> bool> Task for Search<'_, F> {
+    type Output = Option<(Crossing, Option<Crossing>)>;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+        let Self { rough, set, line, chord, is_enough } = self;
+        let (near, far) = (chord.near.t, chord.far.t);
+        let rind = Rind::new(kernel, set, line, [near, far], rough.depth);
+        // What is deeper than anything is carved: there the search ends at the latest.
+        let [first, last] = match rind.core(kernel, [near, far], rough.depth) {
+            Some([first, last]) => [(first, Some(first)), (last, Some(last))],
+            None => [(far, None), (near, None)],
+        };
+        let crossing = |t: f64| Crossing { t, face: rind.face(t).unwrap_or_else(|| set.nearest_face(line.at(t))) };
+        let entered = rough.entry(kernel, &rind, near, first.0).or(first.1)?;
+        if is_enough(entered) {
+            return Some((crossing(entered), None));
+        }
+        // What is thinner than steps tell apart is still there.
+        let least = entered + 1e-12 * (far - near);
+        let left = rough.entry(kernel, &rind, far, last.0).or(last.1)?;
+        Some((crossing(entered), Some(crossing(left.max(least)))))
     }
 }
 

@@ -562,7 +562,7 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
     let lines = || ray.lines(leaf);
     let pieces = match (leaf.shape, shown(cell, leaf, ray, ask.girth)) {
         (LeafShape::Convex(number), _) if ray.is_tame() => cell.convexes[number as usize].pieces(One::new(), &lines()),
-        (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.pieces(One::new(), &lines()),
+        (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.alone(&lines()),
         (LeafShape::Mesh(_), _) if ray.is_tame() => return meet_mesh(ask, cell, leaf, trail, ray),
         (
             LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_),

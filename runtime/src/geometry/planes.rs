@@ -64,7 +64,9 @@ impl Eight {
     /// As many planes, of which the last one stands for those that are missing.
     fn new(planes: &[Slide]) -> Self {
         let column = |part: fn(&Slide) -> f64| {
-            pulp::cast(std::array::from_fn::<f64, EIGHT, _>(|lane| planes.get(lane).or(planes.last()).map_or(0.0, part)))
+            pulp::cast(std::array::from_fn::<f64, EIGHT, _>(|lane| {
+                planes.get(lane).or(planes.last()).map_or(0.0, part)
+            }))
         };
         Self {
             normal: [column(|it| it.normal.x), column(|it| it.normal.y), column(|it| it.normal.z)],

@@ -233,3 +233,165 @@ fn cut<S: Simd>(lanes: S, lines: &Lines<S>, clip: convex::Clip<S>, normal: DVec3
     let distance = Wide::splat(lanes, offset) - normal.dot(lines.origin);
     clip.cut(0, distance, normal.dot(lines.direction))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::flat::Clip;
+    use crate::geometry::levels::Slide;
+    use crate::lanes::every_width;
+
+    /// Numbers from -1 to 1, always the same.
+    struct Dice(u64);
+
+    impl Dice {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn below(&mut self, count: usize) -> usize {
+            ((self.next() * 0.5 + 0.5) * count as f64) as usize
+        }
+
+        /// Often along an axis, seldom without a direction.
+        fn direction(&mut self) -> DVec3 {
+            const AXES: [DVec3; 7] =
+                [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z, DVec3::ZERO];
+            let vector = DVec3::new(self.next(), self.next(), self.next());
+            if self.next() < 0.0 { vector.normalize() } else { AXES[self.below(AXES.len())] }
+        }
+
+        fn slide(&mut self) -> Slide {
+            let (normal, way) = (self.direction(), 0.1 * self.next());
+            match self.below(8) {
+                0 => Slide { normal, offset: 0.0, way: 0.0 },
+                1 => Slide { normal, offset: -0.0, way: 0.0 },
+                2 => Slide { normal, offset: 1.0, way: 0.0 },
+                _ => Slide { normal, offset: 1.0 + 0.5 * self.next(), way },
+            }
+        }
+
+        /// Few planes have no end, of many some stand there more than once.
+        fn slides(&mut self) -> Vec<Slide> {
+            let count = 1 + self.below(40);
+            let mut slides: Vec<Slide> = (0..count).map(|_| self.slide()).collect();
+            for place in 1..count {
+                if self.next() < -0.8 {
+                    slides[place] = slides[self.below(place)];
+                }
+            }
+            slides
+        }
+
+        fn line(&mut self) -> Ray {
+            let (mut origin, mut direction) = (self.direction() * 2.0 * self.next(), self.direction() * self.next());
+            if self.below(10) == 0 {
+                const ODD: [f64; 6] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-300, -0.0];
+                let number = ODD[self.below(ODD.len())];
+                (if self.next() < 0.0 { &mut origin } else { &mut direction })[self.below(3)] = number;
+            }
+            Ray { origin, direction }
+        }
+    }
+
+    /// One plane after the other.
+    fn plain_chord(slides: &[Slide], part: f64, ray: &Ray, from: Option<u32>) -> Option<Chord> {
+        let mut clip = Clip::ALL;
+        for (number, slide) in slides.iter().enumerate() {
+            let Plane { normal, offset } = slide.at(part);
+            let distance = offset - normal.dot(ray.origin);
+            clip = clip.cut(number as u32, distance, normal.dot(ray.direction), from)?;
+        }
+        clip.chord()
+    }
+
+    fn plain_nearest(slides: &[Slide], part: f64, point: DVec3) -> u32 {
+        let above = |it: &Slide| {
+            let Plane { normal, offset } = it.at(part);
+            normal.dot(point) - offset
+        };
+        let highest = slides.iter().enumerate().max_by(|a, b| above(a.1).total_cmp(&above(b.1)));
+        highest.expect("there are planes").0 as u32
+    }
+
+    fn bits(chord: Option<Chord>) -> Option<[(u64, u32); 2]> {
+        chord.map(|it| [it.near, it.far].map(|it| (it.t.to_bits(), it.face)))
+    }
+
+    #[test]
+    fn eight_planes_at_once_give_the_chord_that_one_after_the_other_do() {
+        let mut dice = Dice(1);
+        let (mut met, mut infinite, mut started) = (0, 0, 0);
+        for _ in 0..20_000 {
+            let (slides, line) = (dice.slides(), dice.line());
+            let part = dice.below(3) as f64 * 0.5;
+            let planes = Planes::sliding(&slides);
+            let shown = Shown { planes: &planes, part };
+            // There may be no such face.
+            let started_on = dice.below(slides.len() + 2) as u32;
+            for from in [None, Some(started_on), Some(slides.len() as u32 - 1)] {
+                let expected = plain_chord(&slides, part, &line, from);
+                for chord in every_width(|| Pierce { shown: &shown, ray: &line, from }) {
+                    assert_eq!(bits(chord), bits(expected), "{slides:?} {part} {line:?} {from:?}");
+                }
+                met += u32::from(expected.is_some());
+                infinite += u32::from(expected.is_some_and(|it| it.far.t.is_infinite()));
+                started += u32::from(expected.is_some_and(|it| Some(it.near.face) == from && it.near.t == 0.0));
+            }
+            let line = Lines::<One> {
+                origin: Wide3::splat(One::new(), line.origin),
+                direction: Wide3::splat(One::new(), line.direction),
+            };
+            let (alone, among_others) = (shown.alone(&line), shown.pieces(One::new(), &line));
+            if line.origin.alone().is_finite() && line.direction.alone().is_finite() {
+                assert_eq!(alone.met.value, among_others.met.value);
+                if alone.met.value {
+                    assert_eq!(alone.near.t.value, among_others.near.t.value);
+                    assert_eq!(alone.far.t.value, among_others.far.t.value);
+                }
+            }
+        }
+        assert!(met > 10_000 && infinite > 1_000 && started > 1_000, "{met} {infinite} {started}");
+    }
+
+    #[test]
+    fn eight_planes_at_once_give_the_nearest_face_that_one_after_the_other_do() {
+        let mut dice = Dice(2);
+        let (mut certain, mut not) = (0, 0);
+        for round in 0..40_000 {
+            let (slides, line) = (dice.slides(), dice.line());
+            let part = dice.below(3) as f64 * 0.5;
+            let planes = Planes::sliding(&slides);
+            let shown = Shown { planes: &planes, part };
+            // Corners and edges of what is axis-aligned, at which several planes are as near.
+            let point = if round % 2 == 0 { line.origin } else { line.origin.round() };
+            let expected = plain_nearest(&slides, part, point);
+            for face in every_width(|| Approach { shown: &shown, point }) {
+                assert!(face.is_none_or(|it| it == expected), "{slides:?} {part} {point}: {face:?} {expected}");
+                certain += u32::from(face.is_some());
+                not += u32::from(face.is_none());
+            }
+            assert_eq!(shown.nearest_face(point), expected);
+        }
+        assert!(certain > 20 * not && not > 100, "{certain} {not}");
+    }
+
+    #[test]
+    fn planes_side_by_side_are_those_they_were_made_from() {
+        let mut dice = Dice(3);
+        for _ in 0..1_000 {
+            let slides = dice.slides();
+            let planes = Planes::sliding(&slides);
+            for part in [0.0, 0.25, 1.0] {
+                let shown = Shown { planes: &planes, part };
+                let numbers = |it: Plane| [it.normal.x, it.normal.y, it.normal.z, it.offset].map(f64::to_bits);
+                let expected: Vec<[u64; 4]> = slides.iter().map(|it| numbers(it.at(part))).collect();
+                assert_eq!(shown.all().map(numbers).collect::<Vec<_>>(), expected);
+                let each = (0..slides.len() + EIGHT).map_while(|it| shown.plane(it).map(numbers));
+                assert_eq!(each.collect::<Vec<_>>(), expected);
+                assert_eq!(shown.count(), slides.len());
+            }
+        }
+    }
+}

@@ -527,11 +527,11 @@ fn meet_rough(ask: &mut Ask, rough: &Rough, set: &Shown<'_>, leaf: &Leaf, passag
     let chord = set.chord(&line, None).filter(|it| !is_first || ray.world(it.near.t) <= ask.best);
     // Who asks what is met first, or whether anything is, need not know where what lies ahead ends.
     let is_enough = |near: f64| (is_first || ask.question == Question::Any) && ray.world(near) > ask.start;
-    if let Some((near, far)) = chord.and_then(|it| rough.ends(set, &line, it, is_enough)) {
+    if let Some((near, far)) = chord.and_then(|it| rough.places(set, &line, it, is_enough)) {
         let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
         let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
-        let beyond = Event { t: f64::INFINITY, ..event(near.t) };
-        ask.meet(event(near.t), Some(far.map_or(beyond, |it| event(it.t))));
+        let beyond = Event { t: f64::INFINITY, ..event(near) };
+        ask.meet(event(near), Some(far.map_or(beyond, event)));
     }
 }
 

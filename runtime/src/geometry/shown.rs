@@ -92,9 +92,8 @@ impl Shown<'_> {
     ) {
         let lanes = kernel.lanes();
         let (origin, direction) = (Wide3::splat(lanes, line.origin), Wide3::splat(lanes, line.direction));
-        let eights = self.planes.eights();
-        for number in 0..eights.len() {
-            let (normal, offset) = eights[number].planes(kernel, self.part);
+        for (number, eight) in self.planes.eights().iter().enumerate() {
+            let (normal, offset) = eight.planes(kernel, self.part);
             each(number * EIGHT, offset - normal.dot(origin), normal.dot(direction));
         }
     }
@@ -190,8 +189,7 @@ impl Task for Approach<'_> {
         let (mut highest, mut highest_face) = (point.x.all(f64::NEG_INFINITY), point.x.all(0.0));
         let (mut face, step) = (Wide::new(lanes, FIRST), point.x.all(EIGHT as f64));
         let mut numbers = !Mask::none(lanes);
-        let eights = self.shown.planes.eights();
-        for eight in eights {
+        for eight in self.shown.planes.eights() {
             let (normal, offset) = eight.planes(kernel, self.shown.part);
             let height = normal.dot(point) - offset;
             let higher = height.ge(highest);

@@ -180,7 +180,7 @@ fn lines_slabs_and_corners_are_open_along_themselves() {
 /// The volume of a set from its faces, and their area.
 fn volume_and_area(set: &ConvexSet) -> (f64, f64) {
     let mut sums = (0.0, 0.0);
-    for (number, plane) in set.planes().iter().enumerate() {
+    for (number, plane) in set.planes().enumerate() {
         let face = set.face(number);
         let area: f64 =
             (2..face.len()).map(|it| 0.5 * (face[it - 1] - face[0]).cross(face[it] - face[0]).dot(plane.normal)).sum();

@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::chord::Chord;
 use super::faces::{self, Faces};
 use super::levels::{self, Detail, Family, Level};
+use super::planes::Planes;
 use super::ray::Ray;
 use super::shown::Shown;
 
@@ -24,7 +25,7 @@ pub struct Plane {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexSet {
     // Invariant: at most MOST_PLANES, and at least one.
-    planes: Vec<Plane>,
+    planes: Planes,
     faces: Faces,
     /// The middle of the box around its corners.
     center: DVec3,
@@ -61,7 +62,7 @@ impl ConvexSet {
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), it| (low.min(*it), high.max(*it)));
         let tips = if faces.open.is_empty() { tips(&faces.corners) } else { Vec::new() };
-        Some(Self { planes, faces, center: (low + high) * 0.5, tips, levels: Vec::new() })
+        Some(Self { planes: Planes::new(&planes), faces, center: (low + high) * 0.5, tips, levels: Vec::new() })
     }
 
     /// The same with levels of detail, if it is bounded by the last planes of a family: what a beam sees of it lies so many times the beam's
@@ -108,7 +109,13 @@ impl ConvexSet {
     }
 
     /// The planes that matter; the number of each is that of its face. All of them if nothing lies behind all.
-    pub fn planes(&self) -> &[Plane] {
+    pub fn planes(&self) -> impl ExactSizeIterator<Item = Plane> {
+        self.planes.all(0.0)
+    }
+
+    /// The same as rays want them.
+    #[inline]
+    pub(super) fn side_by_side(&self) -> &Planes {
         &self.planes
     }
 
@@ -154,13 +161,13 @@ impl ConvexSet {
     /// The greatest of the numbers that make it.
     pub(crate) fn reach(&self) -> f64 {
         let slides = self.levels.iter().map(Level::reach);
-        self.planes.iter().map(|it| it.offset.abs()).chain(slides).fold(1.0, f64::max)
+        self.planes().map(|it| it.offset.abs()).chain(slides).fold(1.0, f64::max)
     }
 
     /// About how many bytes it takes.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(self)
-            + size_of_val(&*self.planes)
+            + self.planes.bytes()
             + self.faces.bytes()
             + size_of_val(&*self.tips)
             + self.levels.iter().map(Level::bytes).sum::<usize>()

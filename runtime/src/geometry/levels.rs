@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::convex_set::{self, ConvexSet, Plane};
 use super::plane_tree::{self, PlaneTree};
+use super::planes::Planes;
 use super::shown::Shown;
 
 /// Planes of a derivation.
@@ -29,7 +30,7 @@ pub(crate) struct Level {
     /// How wide a beam is at least that sees it on the way to the next finer one; one of twice that width sees it as it is.
     width: f64,
     /// What is seen on that way.
-    slides: Vec<Slide>,
+    slides: Planes,
     /// The corners of what all of that lies in, and each of them once, if there are few.
     envelope: Vec<DVec3>,
     tips: Vec<DVec3>,
@@ -37,11 +38,11 @@ pub(crate) struct Level {
 
 /// A plane on its way from one level to the next finer one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Slide {
-    pub(crate) normal: DVec3,
+pub(super) struct Slide {
+    pub(super) normal: DVec3,
     /// Where it is at the coarser level, and how much further out at the finer one.
-    pub(crate) offset: f64,
-    pub(crate) way: f64,
+    pub(super) offset: f64,
+    pub(super) way: f64,
 }
 
 /// Which level is seen, and how far it is on the way to the next finer one.
@@ -59,8 +60,11 @@ impl Detail {
 
 impl Slide {
     /// The plane where it is on its way.
-    pub(crate) fn at(&self, part: f64) -> Plane {
-        Plane { normal: self.normal, offset: self.offset + self.way * part }
+    #[inline(always)]
+    pub(super) fn at(&self, part: f64) -> Plane {
+        // Where it begins it is to the bit, even if that is a zero with a sign.
+        let offset = if part == 0.0 { self.offset } else { self.offset + self.way * part };
+        Plane { normal: self.normal, offset }
     }
 }
 
@@ -72,11 +76,12 @@ impl Level {
 
     /// The greatest of the numbers that make it.
     pub(super) fn reach(&self) -> f64 {
-        self.slides.iter().map(|it| it.offset.abs().max((it.offset + it.way).abs())).fold(0.0, f64::max)
+        let offsets = |part: f64| self.slides.all(part).map(|it| it.offset.abs());
+        offsets(0.0).chain(offsets(1.0)).fold(0.0, f64::max)
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.set.bytes() + size_of_val(&*self.slides) + size_of_val(&*self.envelope) + size_of_val(&*self.tips)
+        self.set.bytes() + self.slides.bytes() + size_of_val(&*self.envelope) + size_of_val(&*self.tips)
     }
 }
 
@@ -99,9 +104,9 @@ pub(super) fn detail(levels: &[Level], width: f64) -> Detail {
 #[inline]
 pub(super) fn shown<'s>(set: &'s ConvexSet, levels: &'s [Level], detail: Detail) -> Shown<'s> {
     match levels.get(detail.level) {
-        Some(level) if detail.part > 0.0 => Shown { planes: &[], slides: &level.slides, part: detail.part },
-        Some(level) => Shown { planes: level.set.planes(), slides: &[], part: 0.0 },
-        None => Shown { planes: set.planes(), slides: &[], part: 0.0 },
+        Some(level) if detail.part > 0.0 => Shown { planes: &level.slides, part: detail.part },
+        Some(level) => Shown { planes: level.set.side_by_side(), part: 0.0 },
+        None => Shown { planes: set.side_by_side(), part: 0.0 },
     }
 }
 
@@ -185,12 +190,12 @@ fn level(
     let width = outer.max(inner[0]).max(inner[1]);
     let envelope = envelope.corners().to_vec();
     let tips = convex_set::tips(&envelope);
-    (width.is_finite() && width > 0.0).then_some(Level { set, width, slides, envelope, tips })
+    (width.is_finite() && width > 0.0).then_some(Level { set, width, slides: Planes::sliding(&slides), envelope, tips })
 }
 
 /// At least how far any of some points lies from a set that holds a point.
 fn apart(points: &[DVec3], set: &ConvexSet, center: DVec3) -> f64 {
-    let planes: Vec<DVec3> = set.planes().iter().map(|it| it.normal / (it.offset - it.normal.dot(center))).collect();
+    let planes: Vec<DVec3> = set.planes().map(|it| it.normal / (it.offset - it.normal.dot(center))).collect();
     let planes = plane_tree::points(&planes);
     let tree = PlaneTree::new(&planes);
     let mut most: f64 = 0.0;

@@ -14,6 +14,7 @@ mod intervals;
 mod joint;
 mod levels;
 mod plane_tree;
+mod planes;
 mod primitive;
 mod quadric;
 mod ray;

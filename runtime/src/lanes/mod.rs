@@ -204,6 +204,18 @@ pub(crate) fn dispatch<T: Task>(task: T) -> T::Output {
     task.run(Plain)
 }
 
+/// What a task gives with each SIMD that the machine has, and without any.
+#[cfg(test)]
+pub(crate) fn every_width<T: Task>(task: impl Fn() -> T) -> Vec<T::Output> {
+    let mut all = vec![task().run(Plain), dispatch(task())];
+    #[cfg(target_arch = "x86_64")]
+    {
+        all.extend(pulp::x86::V3::try_new().map(|it| Kernel::vectorize(it, || task().run(it))));
+        all.extend(pulp::x86::V4::try_new().map(|it| Kernel::vectorize(it, || task().run(it))));
+    }
+    all
+}
+
 /// The bit of each lane.
 const EACH: u64x8 = u64x8(1, 2, 4, 8, 16, 32, 64, 128);
 /// The bit of each of sixteen lanes.

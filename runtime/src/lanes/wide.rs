@@ -63,6 +63,12 @@ impl<S: Simd> Wide<S> {
         self.gt(other).select(self, other)
     }
 
+    /// The lesser of two; the other where one is none.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        self.lt(other).select(self, other)
+    }
+
     #[inline(always)]
     pub(crate) fn lt(self, other: Self) -> Mask<S> {
         Mask { lanes: self.lanes, value: self.lanes.less_than_f64s(self.value, other.value) }

@@ -167,7 +167,7 @@ fn hull(set: &ConvexSet, surface: &mut Surface) -> Option<()> {
     if set.open().is_some() {
         return None;
     }
-    for (number, plane) in set.planes().iter().enumerate().take(if set.is_empty() { 0 } else { usize::MAX }) {
+    for (number, plane) in set.planes().enumerate().take(if set.is_empty() { 0 } else { usize::MAX }) {
         let face = set.face(number);
         let (across, size) = (plane.normal.any_orthonormal_vector(), set.reach());
         let aside = plane.normal.cross(across);

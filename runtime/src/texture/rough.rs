@@ -8,11 +8,13 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use smallvec::SmallVec;
+use pulp::{Simd, f64x8};
+use smallvec::{SmallVec, smallvec};
 
 use super::{Field, Footprint};
 use crate::form::{Fbm, Material, MaterialId, Pattern, Texture};
-use crate::geometry::{Chord, Crossing, Plane, Ray, Shown};
+use crate::geometry::{Chord, Crossing, Ray, Shown};
+use crate::lanes::{EIGHT, Kernel, Mask, Task, Wide, dispatch};
 
 /// How a surface is carved.
 #[derive(Clone, Debug)]
@@ -26,18 +28,21 @@ pub(crate) struct Rough {
 #[derive(Clone, Debug)]
 pub(crate) struct Roughs(Vec<Option<Arc<Rough>>>);
 
-/// A line on its way through a set, and the planes that it comes near to.
+/// A line on its way through a set, and the planes that it comes near to: how far behind each it is at t = 0, by how much less a t further
+/// on, and the face.
 struct Rind<'l> {
     line: &'l Ray,
-    planes: SmallVec<[Near; 12]>,
+    /// How long its direction is.
+    length: f64,
+    // Invariant: all of one length, of eights; so many count. The last eight of these is filled up with what is nowhere near.
+    depths: SmallVec<[f64; FEW]>,
+    speeds: SmallVec<[f64; FEW]>,
+    faces: SmallVec<[u32; FEW]>,
+    count: usize,
 }
 
-/// A plane that a line comes near to: its face, how far behind it the line is where it begins, and by how much less a t further on.
-struct Near {
-    face: u32,
-    depth: f64,
-    speed: f64,
-}
+/// Most lines come near to fewer planes of a set.
+const FEW: usize = 64;
 
 /// Sizes of noise: the largest lumps are about three times as wide as they are deep.
 const OCTAVES: u32 = 3;
@@ -62,47 +67,129 @@ impl Roughs {
 
 impl<'l> Rind<'l> {
     /// The planes to which a line comes nearer than this between two places: behind all others it is deeper all the way.
-    fn new(set: &Shown<'_>, line: &'l Ray, ends: [f64; 2], depth: f64) -> Self {
-        let near = |(face, Plane { normal, offset }): (usize, Plane)| Near {
-            face: face as u32,
-            depth: offset - normal.dot(line.origin),
-            speed: normal.dot(line.direction),
+    #[inline(always)]
+    fn new<K: Kernel>(kernel: K, set: &Shown<'_>, line: &'l Ray, ends: [f64; 2], depth: f64) -> Self {
+        let mut rind = Self {
+            line,
+            length: line.direction.length(),
+            depths: smallvec![0.0; FEW],
+            speeds: smallvec![0.0; FEW],
+            faces: smallvec![0; FEW],
+            count: 0,
         };
-        let planes = set.all().enumerate().map(near);
-        Self { line, planes: planes.filter(|it| ends.iter().any(|t| it.below(*t) < depth)).collect() }
+        let planes = set.count();
+        set.along(
+            kernel,
+            line,
+            #[inline(always)]
+            |first, distance, speed| {
+                let (near, far) = (distance - speed * speed.all(ends[0]), distance - speed * speed.all(ends[1]));
+                let limit = speed.all(depth);
+                let bits = kernel.bits((near.lt(limit) | far.lt(limit)).value) & bits_below(planes - first);
+                if bits != 0 {
+                    rind.add(bits, first, (distance, speed));
+                }
+            },
+        );
+        for place in rind.count..rind.count.next_multiple_of(EIGHT) {
+            (rind.depths[place], rind.speeds[place]) = (f64::INFINITY, 0.0);
+        }
+        rind
+    }
+
+    /// Adds some of eight planes.
+    #[inline(always)]
+    fn add<S: Simd<f64s = f64x8>>(&mut self, bits: u32, first: usize, (distance, speed): (Wide<S>, Wide<S>)) {
+        if self.count + EIGHT > self.depths.len() {
+            self.grow();
+        }
+        let here = self.count..self.count + EIGHT;
+        let depths = &mut self.depths[here.clone()];
+        let (speeds, faces) = (&mut self.speeds[here.clone()], &mut self.faces[here]);
+        let mut place = 0;
+        for lane in 0..EIGHT {
+            // What is not to be added is overwritten by what comes next: the machine cannot foresee which are, and need not.
+            (depths[place % EIGHT], speeds[place % EIGHT]) = (distance.lane(lane), speed.lane(lane));
+            faces[place % EIGHT] = (first + lane) as u32;
+            place += (bits >> lane & 1) as usize;
+        }
+        self.count += place;
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        let room = 2 * self.depths.len();
+        self.depths.resize(room, 0.0);
+        self.speeds.resize(room, 0.0);
+        self.faces.resize(room, 0);
+    }
+
+    /// How far behind the planes a line is at t = 0, and by how much less a t further on.
+    #[inline(always)]
+    fn eights(&self) -> (&[f64x8], &[f64x8]) {
+        let room = self.count.next_multiple_of(EIGHT);
+        (bytemuck::cast_slice(&self.depths[..room]), bytemuck::cast_slice(&self.speeds[..room]))
     }
 
     /// The part between two places that lies at least so deep.
-    fn core(&self, [mut near, mut far]: [f64; 2], depth: f64) -> Option<[f64; 2]> {
-        for plane in &self.planes {
-            let end = (plane.depth - depth) / plane.speed;
-            if plane.speed > 0.0 {
-                far = far.min(end);
-            } else if plane.speed < 0.0 {
-                near = near.max(end);
-            } else if plane.depth < depth {
-                return None;
-            }
+    #[inline(always)]
+    fn core<K: Kernel>(&self, kernel: K, [near, far]: [f64; 2], depth: f64) -> Option<[f64; 2]> {
+        let lanes = kernel.lanes();
+        let (zero, depth) = (Wide::splat(lanes, 0.0), Wide::splat(lanes, depth));
+        let (mut nears, mut fars) = (zero.all(near), zero.all(far));
+        let mut outside = Mask::none(lanes);
+        let (depths, speeds) = self.eights();
+        for number in 0..depths.len().min(speeds.len()) {
+            let (distance, speed) = (Wide::new(lanes, depths[number]), Wide::new(lanes, speeds[number]));
+            let end = (distance - depth) / speed;
+            let (leaves, enters) = (speed.gt(zero), speed.lt(zero));
+            fars = (leaves & end.lt(fars)).select(end, fars);
+            nears = (enters & end.gt(nears)).select(end, nears);
+            outside = outside | (!(leaves | enters) & distance.lt(depth));
         }
-        (near <= far).then_some([near, far])
+        let (near, far) = (-least(-nears), least(fars));
+        (outside.is_none() && near <= far).then_some([near, far])
     }
 
     /// How deep a place lies.
-    fn depth(&self, t: f64) -> f64 {
-        self.planes.iter().map(|it| it.below(t)).fold(f64::INFINITY, f64::min)
+    #[inline(always)]
+    fn depth<K: Kernel>(&self, kernel: K, t: f64) -> f64 {
+        let lanes = kernel.lanes();
+        let t = Wide::splat(lanes, t);
+        let mut deep = t.all(f64::INFINITY);
+        let (depths, speeds) = self.eights();
+        for number in 0..depths.len().min(speeds.len()) {
+            deep = (Wide::new(lanes, depths[number]) - Wide::new(lanes, speeds[number]) * t).min(deep);
+        }
+        least(deep)
     }
 
     /// The face that a place is nearest to, if it is near to any.
     fn face(&self, t: f64) -> Option<u32> {
+        let below = (0..self.count).map(|it| (self.faces[it], self.depths[it] - self.speeds[it] * t));
         // Of two that are as near the last one, as where all planes are asked.
-        self.planes.iter().rev().min_by(|a, b| a.below(t).total_cmp(&b.below(t))).map(|it| it.face)
+        below.rev().min_by(|a, b| a.1.total_cmp(&b.1)).map(|it| it.0)
     }
 }
 
-impl Near {
-    fn below(&self, t: f64) -> f64 {
-        self.depth - self.speed * t
+/// So many bits, but no more than there are.
+#[inline(always)]
+fn bits_below(count: usize) -> u32 {
+    if count < EIGHT { (1 << count) - 1 } else { !0 }
+}
+
+/// The least of eight numbers.
+#[inline(always)]
+fn least<S: Simd<f64s = f64x8>>(numbers: Wide<S>) -> f64 {
+    let mut numbers: [f64; EIGHT] = pulp::cast(numbers.value);
+    for half in [4, 2, 1] {
+        for lane in 0..half {
+            let other = numbers[lane + half];
+            numbers[lane] = if other < numbers[lane] { other } else { numbers[lane] };
+        }
     }
+    numbers[0]
 }
 
 impl Rough {
@@ -130,37 +217,50 @@ impl Rough {
         chord: Chord,
         is_enough: impl Fn(f64) -> bool,
     ) -> Option<(Crossing, Option<Crossing>)> {
-        let (near, far) = (chord.near.t, chord.far.t);
-        if !(near.is_finite() && far.is_finite()) {
-            return Some((chord.near, Some(chord.far)));
+        if chord.near.t.is_finite() && chord.far.t.is_finite() {
+            dispatch(Search::<_, true> { rough: self, set, line, chord, is_enough })
+        } else {
+            Some((chord.near, Some(chord.far)))
         }
-        let rind = Rind::new(set, line, [near, far], self.depth);
-        // What is deeper than anything is carved: there the search ends at the latest.
-        let [first, last] = match rind.core([near, far], self.depth) {
-            Some([first, last]) => [(first, Some(first)), (last, Some(last))],
-            None => [(far, None), (near, None)],
-        };
-        let enter = |from: f64, (to, otherwise): (f64, Option<f64>)| self.entry(&rind, from, to).or(otherwise);
-        let crossing = |t: f64| Crossing { t, face: rind.face(t).unwrap_or_else(|| set.nearest_face(line.at(t))) };
-        let entered = enter(near, first)?;
-        if is_enough(entered) {
-            return Some((crossing(entered), None));
+    }
+
+    /// The same without the faces.
+    pub(crate) fn places(
+        &self,
+        set: &Shown<'_>,
+        line: &Ray,
+        chord: Chord,
+        is_enough: impl Fn(f64) -> bool,
+    ) -> Option<(f64, Option<f64>)> {
+        if !(chord.near.t.is_finite() && chord.far.t.is_finite()) {
+            return Some((chord.near.t, Some(chord.far.t)));
         }
-        // What is thinner than steps tell apart is still there.
-        let least = entered + 1e-12 * (far - near);
-        Some((crossing(entered), Some(crossing(enter(far, last)?.max(least)))))
+        let (near, far) = dispatch(Search::<_, false> { rough: self, set, line, chord, is_enough })?;
+        Some((near.t, far.map(|it| it.t)))
     }
 
     /// Where a line on its way from a place on the set's surface to another first comes to a point of the carved solid.
-    fn entry(&self, rind: &Rind<'_>, from: f64, to: f64) -> Option<f64> {
-        let length = (to - from).abs() * rind.line.direction.length();
+    #[inline(always)]
+    fn entry<K: Kernel>(&self, kernel: K, rind: &Rind<'_>, from: f64, to: f64) -> Option<f64> {
+        let length = (to - from).abs() * rind.length;
         let steps = (length / self.depth * STEPS_A_DEPTH).ceil().clamp(1.0, MOST_STEPS);
-        let at = |number: u32| from + (to - from) * (f64::from(number) / steps);
-        let first = (1..=steps as u32).find(|it| self.holds(rind, at(*it)))?;
-        let (mut outside, mut inside) = (at(first - 1), at(first));
+        if steps.is_nan() {
+            return None;
+        }
+        let (mut number, mut outside) = (1.0, from);
+        let mut inside = loop {
+            let place = from + (to - from) * (number / steps);
+            if self.holds(kernel, rind, place) {
+                break place;
+            }
+            if number >= steps {
+                return None;
+            }
+            (number, outside) = (number + 1.0, place);
+        };
         for _ in 0..HALVINGS {
             let middle = outside * 0.5 + inside * 0.5;
-            if self.holds(rind, middle) {
+            if self.holds(kernel, rind, middle) {
                 inside = middle;
             } else {
                 outside = middle;
@@ -170,8 +270,9 @@ impl Rough {
     }
 
     /// Whether a point of a line belongs to the carved solid.
-    fn holds(&self, rind: &Rind<'_>, t: f64) -> bool {
-        let below = rind.depth(t);
+    #[inline(always)]
+    fn holds<K: Kernel>(&self, kernel: K, rind: &Rind<'_>, t: f64) -> bool {
+        let below = rind.depth(kernel, t);
         // So deep down nothing is carved away.
         below >= self.depth || below >= 0.0 && self.noise.is_at_most(below / self.depth, rind.line.at(t))
     }
@@ -184,10 +285,47 @@ impl Rough {
     }
 }
 
+/// Asks for the ends of what is left of a piece of a line, and for their faces if they are to be known.
+struct Search<'r, F, const FACES: bool> {
+    rough: &'r Rough,
+    set: &'r Shown<'r>,
+    line: &'r Ray,
+    /// It ends on both sides.
+    chord: Chord,
+    is_enough: F,
+}
+
+impl<F: Fn(f64) -> bool, const FACES: bool> Task for Search<'_, F, FACES> {
+    type Output = Option<(Crossing, Option<Crossing>)>;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output {
+        let Self { rough, set, line, chord, is_enough } = self;
+        let (near, far) = (chord.near.t, chord.far.t);
+        let rind = Rind::new(kernel, set, line, [near, far], rough.depth);
+        // What is deeper than anything is carved: there the search ends at the latest.
+        let [first, last] = match rind.core(kernel, [near, far], rough.depth) {
+            Some([first, last]) => [(first, Some(first)), (last, Some(last))],
+            None => [(far, None), (near, None)],
+        };
+        let face = |t: f64| rind.face(t).unwrap_or_else(|| set.nearest_face(line.at(t)));
+        let crossing = |t: f64| Crossing { t, face: if FACES { face(t) } else { 0 } };
+        let entered = rough.entry(kernel, &rind, near, first.0).or(first.1)?;
+        if is_enough(entered) {
+            return Some((crossing(entered), None));
+        }
+        // What is thinner than steps tell apart is still there.
+        let least = entered + 1e-12 * (far - near);
+        let left = rough.entry(kernel, &rind, far, last.0).or(last.1)?;
+        Some((crossing(entered), Some(crossing(left.max(least)))))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::ConvexSet;
+    use crate::lanes::every_width;
 
     /// A cube with its corners cut.
     fn set() -> ConvexSet {
@@ -230,5 +368,97 @@ mod tests {
             left += 1;
         }
         assert!(left > 1_500 && gone > 50, "{left} {gone}");
+    }
+
+    /// The ends of what is left, by one plane after the other.
+    fn plain_ends(rough: &Rough, set: &Shown<'_>, line: &Ray, chord: Chord) -> Option<[(u64, u32); 2]> {
+        let (near, far) = (chord.near.t, chord.far.t);
+        let below = |&(_, depth, speed): &(u32, f64, f64), t: f64| depth - speed * t;
+        let planes = set
+            .all()
+            .enumerate()
+            .map(|(face, it)| (face as u32, it.offset - it.normal.dot(line.origin), it.normal.dot(line.direction)));
+        let planes: Vec<(u32, f64, f64)> =
+            planes.filter(|it| below(it, near) < rough.depth || below(it, far) < rough.depth).collect();
+        let holds = |t: f64| {
+            let deep = planes.iter().map(|it| below(it, t)).fold(f64::INFINITY, f64::min);
+            deep >= rough.depth || deep >= 0.0 && rough.noise.is_at_most(deep / rough.depth, line.at(t))
+        };
+        let entry = |from: f64, to: f64| {
+            let length = (to - from).abs() * line.direction.length();
+            let steps = (length / rough.depth * STEPS_A_DEPTH).ceil().clamp(1.0, MOST_STEPS);
+            let at = |number: u32| from + (to - from) * (f64::from(number) / steps);
+            let first = (1..=steps as u32).find(|it| holds(at(*it)))?;
+            let (mut outside, mut inside) = (at(first - 1), at(first));
+            for _ in 0..HALVINGS {
+                let middle = outside * 0.5 + inside * 0.5;
+                *if holds(middle) { &mut inside } else { &mut outside } = middle;
+            }
+            Some(inside)
+        };
+        let (mut first, mut last) = (near, far);
+        for &(_, depth, speed) in &planes {
+            let end = (depth - rough.depth) / speed;
+            if speed > 0.0 {
+                last = last.min(end);
+            } else if speed < 0.0 {
+                first = first.max(end);
+            } else if depth < rough.depth {
+                last = f64::NEG_INFINITY;
+            }
+        }
+        let core = (first <= last).then_some((first, last));
+        let entered = entry(near, core.map_or(far, |it| it.0)).or(core.map(|it| it.0))?;
+        let left = entry(far, core.map_or(near, |it| it.1)).or(core.map(|it| it.1))?;
+        let nearest = |t: f64| planes.iter().rev().min_by(|a, b| below(a, t).total_cmp(&below(b, t)));
+        let face = |t: f64| nearest(t).map_or_else(|| set.nearest_face(line.at(t)), |it| it.0);
+        let left = left.max(entered + 1e-12 * (far - near));
+        Some([entered, left].map(|t| (t.to_bits(), face(t))))
+    }
+
+    #[test]
+    fn eight_planes_at_once_leave_what_one_after_the_other_do() {
+        let vector =
+            |number: f64| DVec3::new(libm::sin(1.3 * number), libm::sin(2.9 * number), libm::cos(1.7 * number + 0.4));
+        let (mut left, mut crowded) = (0, 0);
+        for round in 0..60_u32 {
+            // From a slab without end to more planes than lines come near to in most sets; some parallel to axes.
+            let count = [2, 5, 6, 9, 31, 64, 150, 400][round as usize % 8];
+            let mut numbers = vec![0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 1.0];
+            for number in 2..count {
+                let normal = vector(f64::from(number * 7 + round)).normalize();
+                numbers.extend([normal.x, normal.y, normal.z, 1.0 + 0.1 * libm::sin(f64::from(number))]);
+            }
+            let set = ConvexSet::new(&numbers).expect("these are planes");
+            let depth = [0.02, 0.1, 0.4, 3.0][round as usize / 8 % 4];
+            let rough = Rough::new(depth, u64::from(round)).expect("something is carved away");
+            let set = set.whole();
+            for number in (0..60_u32).map(|it| f64::from(it * 61 + round)) {
+                let (target, from) = (vector(number) * 0.9, vector(number + 0.5) * 4.0);
+                let direction = if number % 5.0 == 0.0 { DVec3::new(0.3, -0.1, 0.0) } else { target - from };
+                let line = Ray { origin: target + direction, direction };
+                let Some(chord) = set.chord(&line, None) else { continue };
+                if !(chord.near.t.is_finite() && chord.far.t.is_finite()) {
+                    assert_eq!(rough.left(&set, &line, chord), Some(chord));
+                    continue;
+                }
+                let expected = plain_ends(&rough, &set, &line, chord);
+                let search =
+                    || Search::<_, true> { rough: &rough, set: &set, line: &line, chord, is_enough: |_| false };
+                for ends in every_width(search) {
+                    let bits =
+                        ends.map(|(near, far)| [Some(near), far].map(|it| it.map(|it| (it.t.to_bits(), it.face))));
+                    assert_eq!(bits, expected.map(|it| it.map(Some)), "{round} {number}");
+                }
+                let places = rough.places(&set, &line, chord, |_| false);
+                let bits = places.map(|(near, far)| [near.to_bits(), far.map_or(0, f64::to_bits)]);
+                assert_eq!(bits, expected.map(|it| it.map(|it| it.0)), "{round} {number}");
+                left += u32::from(expected.is_some());
+                crowded += u32::from(
+                    set.all().filter(|it| it.offset - it.normal.dot(line.at(chord.near.t)) < depth).count() > FEW,
+                );
+            }
+        }
+        assert!(left > 1_000 && crowded > 50, "{left} {crowded}");
     }
 }

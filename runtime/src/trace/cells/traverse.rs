@@ -528,11 +528,11 @@ fn meet_rough(ask: &mut Ask, rough: &Rough, set: &Shown<'_>, leaf: &Leaf, passag
     let chord = set.chord(&line, None).filter(|it| !is_first || ray.world(it.near.t) <= ask.best);
     // Who asks what is met first, or whether anything is, need not know where what lies ahead ends.
     let is_enough = |near: f64| (is_first || ask.question == Question::Any) && ray.world(near) > ask.start;
-    if let Some((near, far)) = chord.and_then(|it| rough.ends(set, &line, it, is_enough)) {
+    if let Some((near, far)) = chord.and_then(|it| rough.places(set, &line, it, is_enough)) {
         let mark = Mark { trail: passage.trail, part: leaf.part, face: 0 };
         let event = |t: f64| Event { t: ray.world(t), mark, flipped: false };
-        let beyond = Event { t: f64::INFINITY, ..event(near.t) };
-        ask.meet(event(near.t), Some(far.map_or(beyond, |it| event(it.t))));
+        let beyond = Event { t: f64::INFINITY, ..event(near) };
+        ask.meet(event(near), Some(far.map_or(beyond, event)));
     }
 }
 
@@ -563,7 +563,7 @@ fn meet_leaf(ask: &mut Ask, cell: &Cell, leaf: &Leaf, trail: u32, ray: &Local) {
     let lines = || ray.lines(leaf);
     let pieces = match (leaf.shape, shown(cell, leaf, ray, ask.girth)) {
         (LeafShape::Convex(number), _) if ray.is_tame() => cell.convexes[number as usize].pieces(One::new(), &lines()),
-        (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.pieces(One::new(), &lines()),
+        (LeafShape::Hull(_), Some(shown)) if ray.is_tame() => shown.alone(&lines()),
         (LeafShape::Mesh(_), _) if ray.is_tame() => return meet_mesh(ask, cell, leaf, trail, ray),
         (
             LeafShape::Convex(_) | LeafShape::Hull(_) | LeafShape::Mesh(_) | LeafShape::Other(_) | LeafShape::Relief(_),

@@ -21,8 +21,8 @@ pub(super) fn gradient_noise(simd: V3, seed: u64, point: DVec3) -> Tangent {
     let step = high.value - low.value;
     let value = low.value + step * fade_x;
     let mut slope = low.slope;
-    for axis in 0..3 {
-        slope[axis] = slope[axis] + (high.slope[axis] - slope[axis]) * fade_x;
+    for (low, high) in slope.iter_mut().zip(high.slope) {
+        *low = *low + (high - *low) * fade_x;
     }
     slope[0] = slope[0] + step * spread::<0>(simd, rise);
     // From here on a register holds value and slope at one place.

@@ -14,6 +14,8 @@ mod x86;
 pub(crate) use self::plain::Plain;
 pub(crate) use self::single::{SIXTEEN, Singles, Wholes};
 pub(crate) use self::wide::{Mask, Wide, Wide3, lane_of};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use self::x86::transposed_four;
 
 use pulp::{Simd, f32x16, f64x8, u16x16, u32x16, u64x8};
 

@@ -303,15 +303,13 @@ impl Kernel for V3 {
         let mut columns = rows;
         for (place, half) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let first = place * 4;
-            let (a, b) = (cast(rows[first][half]), cast(rows[first + 1][half]));
-            let (c, d) = (cast(rows[first + 2][half]), cast(rows[first + 3][half]));
-            let (even, even_below) = (self.avx._mm256_unpacklo_pd(a, b), self.avx._mm256_unpacklo_pd(c, d));
-            let (odd, odd_below) = (self.avx._mm256_unpackhi_pd(a, b), self.avx._mm256_unpackhi_pd(c, d));
+            let square = [rows[first][half], rows[first + 1][half], rows[first + 2][half], rows[first + 3][half]];
+            let turned = transposed_four(self, square);
             let first = half * 4;
-            columns[first][place] = cast(self.avx._mm256_permute2f128_pd::<0x20>(even, even_below));
-            columns[first + 1][place] = cast(self.avx._mm256_permute2f128_pd::<0x20>(odd, odd_below));
-            columns[first + 2][place] = cast(self.avx._mm256_permute2f128_pd::<0x31>(even, even_below));
-            columns[first + 3][place] = cast(self.avx._mm256_permute2f128_pd::<0x31>(odd, odd_below));
+            columns[first][place] = turned[0];
+            columns[first + 1][place] = turned[1];
+            columns[first + 2][place] = turned[2];
+            columns[first + 3][place] = turned[3];
         }
         cast(columns)
     }
@@ -320,4 +318,18 @@ impl Kernel for V3 {
     fn vectorize<R>(self, run: impl FnOnce() -> R) -> R {
         Self::vectorize(self, run)
     }
+}
+
+/// Four times four numbers with columns for rows.
+#[inline(always)]
+pub(crate) fn transposed_four(simd: V3, rows: [f64x4; 4]) -> [f64x4; 4] {
+    let [a, b, c, d] = [cast(rows[0]), cast(rows[1]), cast(rows[2]), cast(rows[3])];
+    let (even, even_below) = (simd.avx._mm256_unpacklo_pd(a, b), simd.avx._mm256_unpacklo_pd(c, d));
+    let (odd, odd_below) = (simd.avx._mm256_unpackhi_pd(a, b), simd.avx._mm256_unpackhi_pd(c, d));
+    [
+        cast(simd.avx._mm256_permute2f128_pd::<0x20>(even, even_below)),
+        cast(simd.avx._mm256_permute2f128_pd::<0x20>(odd, odd_below)),
+        cast(simd.avx._mm256_permute2f128_pd::<0x31>(even, even_below)),
+        cast(simd.avx._mm256_permute2f128_pd::<0x31>(odd, odd_below)),
+    ]
 }

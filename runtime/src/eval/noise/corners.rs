@@ -7,7 +7,7 @@ use pulp::x86::V3;
 use pulp::{Simd, cast, f64x4, u64x4};
 
 use super::{AXES, Tangent, parted};
-use crate::lanes::Wide;
+use crate::lanes::{Wide, transposed_four};
 
 type Four = Wide<V3>;
 
@@ -26,7 +26,13 @@ pub(super) fn gradient_noise(simd: V3, seed: u64, point: DVec3) -> Tangent {
     }
     slope[0] = slope[0] + step * spread::<0>(simd, rise);
     // From here on a register holds value and slope at one place.
-    let [a, b, c, d] = transposed(simd, [value, slope[0], slope[1], slope[2]]);
+    let places = transposed_four(simd, [value.value, slope[0].value, slope[1].value, slope[2].value]);
+    let [a, b, c, d] = [
+        Wide::new(simd, places[0]),
+        Wide::new(simd, places[1]),
+        Wide::new(simd, places[2]),
+        Wide::new(simd, places[3]),
+    ];
     let (fade_y, rise_y) = (spread::<Y>(simd, fade), spread::<Y>(simd, rise));
     let (fade_z, rise_z) = (spread::<Z>(simd, fade), spread::<Z>(simd, rise));
     let a = between::<0b0100>(simd, a, b, fade_y, rise_y);
@@ -176,18 +182,4 @@ fn between<const AXIS: i32>(simd: V3, a: Four, b: Four, fade: Four, rise: Four) 
     let tangent = a + step * fade;
     let risen = tangent + spread::<0>(simd, step) * rise;
     Wide::new(simd, cast(simd.avx._mm256_blend_pd::<AXIS>(cast(tangent.value), cast(risen.value))))
-}
-
-/// Four times four numbers with columns for rows.
-#[inline(always)]
-fn transposed(simd: V3, rows: [Four; 4]) -> [Four; 4] {
-    let [a, b, c, d] = [cast(rows[0].value), cast(rows[1].value), cast(rows[2].value), cast(rows[3].value)];
-    let (even, odd) = (simd.avx._mm256_unpacklo_pd(a, b), simd.avx._mm256_unpackhi_pd(a, b));
-    let (even_below, odd_below) = (simd.avx._mm256_unpacklo_pd(c, d), simd.avx._mm256_unpackhi_pd(c, d));
-    [
-        Wide::new(simd, cast(simd.avx._mm256_permute2f128_pd::<0x20>(even, even_below))),
-        Wide::new(simd, cast(simd.avx._mm256_permute2f128_pd::<0x20>(odd, odd_below))),
-        Wide::new(simd, cast(simd.avx._mm256_permute2f128_pd::<0x31>(even, even_below))),
-        Wide::new(simd, cast(simd.avx._mm256_permute2f128_pd::<0x31>(odd, odd_below))),
-    ]
 }

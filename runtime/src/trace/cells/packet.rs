@@ -604,11 +604,11 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
         let mark = Found::new(Mark { trail: frame.way.trail, part, face: 0 }, false);
         let mut apart = 0;
         // Few rays meet the same leaf if leaves are small: no register is computed that none of them is in.
-        for (part, rays) in K::parts(rays) {
-            let local = Locals::part(kernel, &frame.rays.local, part);
+        for (place, rays) in K::parts(rays) {
+            let local = Locals::part(kernel, &frame.rays.local, place);
             let pieces = convex.pieces(lanes, &local.lines(leaf));
             let asking = Mask::new(lanes, kernel.wide_mask(rays));
-            apart |= kernel.wide_bits((pieces.odd & asking).value) << (part * K::WIDE);
+            apart |= kernel.wide_bits((pieces.odd & asking).value) << (place * K::WIDE);
             let met = pieces.met & asking;
             if kernel.wide_bits(met.value) == 0 {
                 continue;
@@ -616,7 +616,7 @@ impl<'g, K: Kernel> PacketSearch<'_, '_, '_, 'g, '_, K> {
             let near = local.world(pieces.near.t);
             let far = if leaf.solid { Some(local.world(pieces.far.t)) } else { None };
             let found = lanes.add_u64s(lanes.splat_u64s(mark.0), pieces.near.face);
-            apart |= self.ask.meet(kernel, part, met, (near, far), found);
+            apart |= self.ask.meet(kernel, place, met, (near, far), found);
         }
         apart
     }

@@ -51,7 +51,8 @@ impl Draws {
                 format!("({})", self.solid(height))
             })
             .collect();
-        let operator = [" & ", " \\ "][self.below(2) as usize];
+        // Unions are members of Booleans, too: mostly of few primitives, which are looked at side by side.
+        let operator = [" & ", " \\ ", " | "][self.below(3) as usize];
         format!("{place} ({})", operands.join(operator))
     }
 }

@@ -3,10 +3,6 @@
 //! An operand is looked at only where the ones before it leave something, and operands of an intersection that are single primitives
 //! say beforehand where that may be.
 
-use std::mem;
-
-use smallvec::SmallVec;
-
 use super::ROOT;
 use super::ask::{Ask, Mark, NONE};
 use super::begun::{Begun, Gathering, Inside, Operation, Stacks};
@@ -18,11 +14,11 @@ use super::store::{Generation, led_by};
 use super::traverse::{Passage, Tracing, f32_above, f32_below, met_of};
 use crate::fault::{Fault, FaultKind, Limit};
 use crate::form::Origin;
-use crate::geometry::{End, FACE, Interval, Intervals, Pierced, Primitive, Side};
+use crate::geometry::{Crossing, End, FACE, Interval, Pierced, Pile, Primitive, Side};
 use crate::lanes::{Kernel, One, lanes_of};
 
-/// The pieces of a ray inside something.
-pub(super) type Line = Intervals<Mark>;
+/// The pieces of a ray inside several things.
+pub(super) type Lines = Pile<Mark>;
 
 /// A cell and the ray in it.
 #[derive(Clone, Copy)]
@@ -65,8 +61,14 @@ pub(super) struct Pieces<'a, 's, 'g, 'q, K> {
     pub(super) place: Place<'g>,
 }
 
-/// The pieces inside something; nothing if it was begun and waits for what is inside it.
-type Known = Option<Line>;
+/// What is known of the pieces inside something.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Known {
+    /// They lie on top of the others.
+    There,
+    /// It was begun and waits for what is inside it.
+    Later,
+}
 
 impl<'c> Place<'c> {
     /// A ray in a cell.
@@ -76,95 +78,115 @@ impl<'c> Place<'c> {
         Self { cell, ray, boxes, shift, from, position: position as usize, trail, levels, unit }
     }
 
-    /// The same ray in a cell inside this one, and how places on it there are places on it here. `near` is the ray there from the point
+    /// Goes into a cell inside this one; gives how places on the ray there are places on it here. `near` is the ray there from the point
     /// nearest the centre.
-    fn inside<'i>(
-        &self,
-        ask: &mut Ask,
-        instance: &Instance,
-        cell: &'i Cell,
-        near: (Local, Steps),
-    ) -> (Place<'i>, Steps) {
-        let position = self.position + 1;
-        let from = if self.from == instance.part { ask.start_part(position) } else { NONE };
-        let (ray, steps) = if from == NONE { near } else { self.ray.entered_at_start(&instance.way) };
+    fn enter(&mut self, ask: &mut Ask, instance: &Instance, cell: &'c Cell, near: (Local, Steps)) -> Steps {
+        self.position += 1;
+        self.from = if self.from == instance.part { ask.start_part(self.position) } else { NONE };
+        let is_start = self.from != NONE;
+        let (ray, steps) = if is_start { self.ray.entered_at_start(&instance.way) } else { near };
+        self.ray = ray;
         // Boxes are always met from the point nearest the centre.
         let near = near.0;
-        let boxes = if instance.way.is_straight() {
+        self.boxes = if instance.way.is_straight() {
             self.boxes.moved(near.origin)
         } else {
             BoxRay::new(near.origin, near.direction)
         };
-        let place = Place {
-            cell,
-            ray,
-            boxes,
-            shift: if from == NONE { 0.0 } else { near.own(0.0) },
-            from,
-            position,
-            trail: ask.notes.trails.on(self.trail, instance.part),
-            levels: self.levels + self.cell.parts[instance.part as usize].levels,
-            unit: self.unit * instance.way.unit,
-        };
-        (place, steps)
+        self.shift = if is_start { near.own(0.0) } else { 0.0 };
+        self.trail = ask.notes.trails.on(self.trail, instance.part);
+        self.levels += self.cell.parts[instance.part as usize].levels;
+        self.unit *= instance.way.unit;
+        self.cell = cell;
+        steps
     }
 }
 
 impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
-    /// The pieces inside a Boolean of the cell.
-    pub(super) fn of_boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<Line, Stop> {
+    /// Finds the pieces inside a Boolean of the cell: then they are all that lies on their stack.
+    pub(super) fn of_boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<(), Stop> {
         self.stacks.clear();
-        if boolean.height > 0 {
-            return self.plain(boolean, range);
-        }
         let known = self.boolean(boolean, range);
         self.finish(known)
     }
 
-    /// The pieces inside a Boolean of the cell that is made of single primitives: it calls itself for Booleans in it, which are not many in
-    /// one another, so that nothing has to be begun.
-    fn plain(&mut self, boolean: &Boolean, range: Range) -> Result<Line, Stop> {
-        self.ask_for_booleans()?;
-        self.stacks.booleans += 1;
-        let cell = self.place.cell;
-        let mut operation = Operation::new(boolean, range);
-        while let Some((operand, range)) = operation.next() {
-            self.ask.step(self.tracing.store.limits.steps)?;
-            let line = match cell.unions[operand as usize].only().map(Ref::named) {
-                Some(Named::Leaf(number)) => self.leaf(&cell.leaves[number as usize])?,
-                Some(Named::Boolean(number)) => self.plain(&cell.booleans[number as usize], range)?,
-                Some(Named::Node(_) | Named::Instance(_)) | None => Line::empty(),
-            };
-            check(operation.take(line), self.tracing.store.limits.intervals)?;
+    /// The pieces inside a Boolean of the cell whose operands are too few primitives for boxes: it calls itself for Booleans in it, which are
+    /// not many in one another, so that nothing has to be begun.
+    fn plain(&mut self, boolean: &'g Boolean, range: Range) -> Result<(), Stop> {
+        let Some(mut operation) = self.begin(boolean, range)? else {
+            return Ok(());
+        };
+        while let Some((operand, range)) = operation.next(&self.stacks.lines) {
+            self.plain_union(&self.place.cell.unions[operand as usize], range, boolean.tolerance)?;
+            self.take(&operation)?;
         }
         self.stacks.booleans -= 1;
-        Ok(operation.line.unwrap_or_else(Line::empty))
+        Ok(())
     }
 
-    /// Sees to it that there may be one more Boolean around what is looked at.
-    fn ask_for_booleans(&self) -> Result<(), Stop> {
+    /// The pieces inside an operand of such a Boolean.
+    fn plain_union(&mut self, union: &'g Union, range: Range, tolerance: f64) -> Result<(), Stop> {
+        if let Some(only) = union.only() {
+            return self.plain_member(only, range);
+        }
+        let (lines, pieces) = (self.stacks.lines.top(), self.stacks.gathered.len());
+        for member in &union.always {
+            self.plain_member(*member, range)?;
+            self.keep(*member, range, lines);
+        }
+        self.unite(pieces, tolerance)
+    }
+
+    #[inline]
+    fn plain_member(&mut self, member: Ref, range: Range) -> Result<(), Stop> {
+        self.ask.step(self.tracing.store.limits.steps)?;
+        let cell = self.place.cell;
+        match member.named() {
+            Named::Leaf(number) => self.leaf(&cell.leaves[number as usize]),
+            Named::Boolean(number) => self.plain(&cell.booleans[number as usize], range),
+            Named::Node(_) | Named::Instance(_) => Ok(()),
+        }
+    }
+
+    /// Begins a Boolean; none if nothing is left of it.
+    #[inline]
+    fn begin(&mut self, boolean: &'g Boolean, range: Range) -> Result<Option<Operation<'g>>, Stop> {
         let most = self.tracing.store.limits.booleans;
-        if self.stacks.booleans >= most { Err(limit(Limit::Booleans, most)) } else { Ok(()) }
+        if self.stacks.booleans >= most {
+            return Err(limit(Limit::Booleans, most));
+        }
+        let range = self.narrowed(boolean, range)?;
+        let first = self.stacks.lines.top();
+        self.stacks.booleans += u32::from(range.is_some());
+        Ok(range.map(|it| Operation::new(boolean, it, first)))
+    }
+
+    /// Goes on with a Boolean once the pieces inside an operand are known.
+    #[inline]
+    fn take(&mut self, operation: &Operation<'g>) -> Result<(), Stop> {
+        operation.take(&mut self.stacks.lines);
+        self.check(operation.first)
     }
 
     /// The pieces inside the whole cell.
-    fn of_cell(&mut self, called: Origin, range: Range, tolerance: f64) -> Result<Line, Stop> {
+    fn of_cell(&mut self, called: Origin, range: Range, tolerance: f64) -> Result<&[Interval<Mark>], Stop> {
         let known = self.whole(called, range, tolerance);
-        self.finish(known)
+        self.finish(known)?;
+        Ok(self.stacks.lines.from(0))
     }
 
     /// Goes on with what was begun, to the end.
-    fn finish(&mut self, mut known: Result<Known, Stop>) -> Result<Line, Stop> {
+    fn finish(&mut self, mut known: Result<Known, Stop>) -> Result<(), Stop> {
         loop {
             let inside = match known {
                 Ok(inside) => inside,
                 Err(fault) => return Err(self.led(*fault)),
             };
             known = match self.stacks.begun.last() {
-                None => return Ok(inside.unwrap_or_else(Line::empty)),
+                None => return Ok(()),
                 Some(Begun::Boolean(_)) => self.operate(inside),
                 Some(Begun::Union(union)) => self.gather(*union, inside),
-                Some(Begun::Cell(_)) => Ok(self.leave(inside)),
+                Some(Begun::Cell(_)) => Ok(self.leave()),
             };
         }
     }
@@ -191,33 +213,35 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
 
     fn boolean(&mut self, boolean: &'g Boolean, range: Range) -> Result<Known, Stop> {
         if boolean.height > 0 {
-            return self.plain(boolean, range).map(Some);
+            return self.plain(boolean, range).map(|()| Known::There);
         }
-        self.ask_for_booleans()?;
-        let Some(range) = self.narrowed(boolean, range)? else {
-            return Ok(Some(Line::empty()));
+        let Some(operation) = self.begin(boolean, range)? else {
+            return Ok(Known::There);
         };
-        self.stacks.booleans += 1;
-        self.stacks.begun.push(Begun::Boolean(Operation::new(boolean, range)));
-        Ok(None)
+        self.stacks.begun.push(Begun::Boolean(operation));
+        Ok(Known::Later)
     }
 
-    /// Where something may be left of a Boolean, as far as those of its operands say that are single primitives: they are quickly asked,
-    /// and others are looked at only there. None if that is nowhere.
-    fn narrowed(&self, boolean: &Boolean, mut range: Range) -> Result<Option<Range>, Stop> {
+    /// Where something may be left of an intersection, as far as those of its operands say that are single primitives: they are quickly
+    /// asked, and others are looked at only there. None if that is nowhere.
+    fn narrowed(&mut self, boolean: &Boolean, mut range: Range) -> Result<Option<Range>, Stop> {
+        if !boolean.narrows {
+            return Ok(Some(range));
+        }
         let cell = self.place.cell;
-        // What is taken away leaves no end to look for.
-        let count = if boolean.difference { 1 } else { boolean.operands.len() };
-        for operand in boolean.operands.clone().take(count) {
+        let first = self.stacks.lines.top();
+        for operand in boolean.operands.clone() {
             if let Some(Named::Leaf(number)) = cell.unions[operand as usize].only().map(Ref::named)
                 && let leaf = &cell.leaves[number as usize]
                 && leaf.solid
             {
-                let line = self.leaf(leaf)?;
-                let (Some(first), Some(last)) = (line.as_slice().first(), line.as_slice().last()) else {
+                self.leaf(leaf)?;
+                let line = self.stacks.lines.from(first);
+                let (Some(start), Some(end)) = (line.first(), line.last()) else {
                     return Ok(None);
                 };
-                range = (range.0.max(first.near.t - boolean.tolerance), range.1.min(last.far.t + boolean.tolerance));
+                range = (range.0.max(start.near.t - boolean.tolerance), range.1.min(end.far.t + boolean.tolerance));
+                self.stacks.lines.forget_from(first);
                 if range.0 > range.1 {
                     return Ok(None);
                 }
@@ -229,26 +253,27 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
     /// Goes on with the innermost Boolean.
     fn operate(&mut self, mut known: Known) -> Result<Known, Stop> {
         loop {
-            let Some(Begun::Boolean(operation)) = self.stacks.begun.last_mut() else {
+            let most = self.tracing.store.limits.intervals;
+            let Stacks { begun, lines, .. } = &mut *self.stacks;
+            let Some(Begun::Boolean(operation)) = begun.last_mut() else {
                 return Ok(known);
             };
-            if let Some(line) = known {
-                check(operation.take(line), self.tracing.store.limits.intervals)?;
+            if known == Known::There {
+                operation.take(lines);
+                check(lines, operation.first, most)?;
             }
-            let Some((operand, range)) = operation.next() else {
+            let Some((operand, range)) = operation.next(lines) else {
                 break;
             };
             let tolerance = operation.boolean.tolerance;
             known = self.union(operand, range, tolerance)?;
-            if known.is_none() {
-                return Ok(None);
+            if known == Known::Later {
+                return Ok(known);
             }
         }
         self.stacks.booleans -= 1;
-        match self.stacks.begun.pop() {
-            Some(Begun::Boolean(Operation { line: Some(line), .. })) => Ok(Some(line)),
-            _ => Ok(Some(Line::empty())),
-        }
+        self.stacks.begun.pop();
+        Ok(Known::There)
     }
 
     fn union(&mut self, number: u32, range: Range, tolerance: f64) -> Result<Known, Stop> {
@@ -256,42 +281,68 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         if let Some(only) = union.only() {
             return self.member(only, range, tolerance);
         }
-        let (members, pieces) = (self.stacks.members.len(), self.stacks.gathered.len());
+        let Stacks { lines, members, gathered, .. } = &*self.stacks;
+        let gathering =
+            Gathering { range, tolerance, lines: lines.top(), members: members.len(), pieces: gathered.len() };
         self.members(union, range)?;
-        self.stacks.begun.push(Begun::Union(Gathering { range, tolerance, members, pieces }));
-        Ok(None)
+        self.stacks.begun.push(Begun::Union(gathering));
+        self.gather(gathering, Known::Later)
     }
 
     /// Goes on with the innermost union.
     fn gather(&mut self, union: Gathering, mut known: Known) -> Result<Known, Stop> {
         loop {
-            if let Some(line) = known
+            if known == Known::There
                 && let Some(member) = self.stacks.members.pop()
             {
-                // Coincident surfaces are the first one's.
-                let rank = first_part(self.place.cell, member);
-                self.stacks.gathered.extend(line.within(union.range).as_slice(), rank);
+                self.keep(member, union.range, union.lines);
             }
             let Some(member) = self.stacks.members.get(union.members..).and_then(<[Ref]>::last).copied() else {
                 break;
             };
             known = self.member(member, union.range, union.tolerance)?;
-            if known.is_none() {
-                return Ok(None);
+            if known == Known::Later {
+                return Ok(known);
             }
         }
         self.stacks.begun.pop();
-        let line = self.stacks.gathered.union(union.pieces, union.tolerance);
-        check(&line, self.tracing.store.limits.intervals)?;
-        Ok(Some(line))
+        self.unite(union.pieces, union.tolerance)?;
+        Ok(Known::There)
+    }
+
+    /// Keeps the pieces inside a member of a union, which begin at a place of their stack, as far as they matter.
+    #[inline]
+    fn keep(&mut self, member: Ref, (from, to): Range, first: usize) {
+        let Stacks { lines, gathered, .. } = &mut *self.stacks;
+        for piece in lines.from(first) {
+            if piece.far.t >= from && piece.near.t <= to {
+                // Coincident surfaces are the first one's.
+                gathered.add(*piece, first_part(self.place.cell, member));
+            }
+        }
+        lines.forget_from(first);
+    }
+
+    /// Unites the pieces kept from a number on.
+    fn unite(&mut self, pieces: usize, tolerance: f64) -> Result<(), Stop> {
+        let first = self.stacks.lines.top();
+        self.stacks.lines.push_union(&mut self.stacks.gathered, pieces, tolerance);
+        self.check(first)
+    }
+
+    /// Sees to it that the topmost list, which begins at a place, is no longer than may be.
+    #[inline]
+    fn check(&self, first: usize) -> Result<(), Stop> {
+        check(&self.stacks.lines, first, self.tracing.store.limits.intervals)
     }
 
     /// Puts the members of a union whose boxes the ray meets on their stack.
     fn members(&mut self, union: &Union, range: Range) -> Result<(), Stop> {
-        let (tracing, place, members) = (self.tracing, &self.place, &mut self.stacks.members);
+        let (tracing, place) = (self.tracing, &self.place);
+        let Stacks { members, nodes, .. } = &mut *self.stacks;
         let first = members.len();
         members.extend_from_slice(&union.always);
-        let mut nodes: SmallVec<[u32; 16]> = union.root.into_iter().collect();
+        nodes.extend(union.root);
         let (from, to) = (f32_below(range.0 + place.shift), f32_above(range.1 + place.shift));
         while let Some(number) = nodes.pop() {
             self.ask.step(tracing.store.limits.steps)?;
@@ -316,14 +367,14 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         self.ask.step(self.tracing.store.limits.steps)?;
         let cell = self.place.cell;
         match member.named() {
-            Named::Leaf(number) => self.leaf(&cell.leaves[number as usize]).map(Some),
+            Named::Leaf(number) => self.leaf(&cell.leaves[number as usize]).map(|()| Known::There),
             Named::Boolean(number) => self.boolean(&cell.booleans[number as usize], range),
             Named::Instance(number) => self.instance(&cell.instances[number as usize], range, tolerance),
-            Named::Node(_) => Ok(Some(Line::empty())),
+            Named::Node(_) => Ok(Known::There),
         }
     }
 
-    fn leaf(&self, leaf: &Leaf) -> Result<Line, Stop> {
+    fn leaf(&mut self, leaf: &Leaf) -> Result<(), Stop> {
         let place = &self.place;
         if !leaf.solid {
             let origin = place.cell.parts[leaf.part as usize].origin;
@@ -335,35 +386,44 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         if let (Some(convex), None, true) = (place.cell.convex(leaf), from, place.ray.is_tame()) {
             let pieces = convex.pieces(One::new(), &place.ray.lines(leaf));
             if !pieces.odd.value {
-                let end =
-                    |side: Side<One>| End { t: side.t.value, surface: mark((side.face / FACE) as u32), flipped: false };
-                let piece = pieces.met.value.then(|| Interval { near: end(pieces.near), far: end(pieces.far) });
-                return Ok(Line::of_sorted(piece));
+                if pieces.met.value {
+                    let end = |side: Side<One>| End {
+                        t: side.t.value,
+                        surface: mark((side.face / FACE) as u32),
+                        flipped: false,
+                    };
+                    self.stacks.lines.push(Interval { near: end(pieces.near), far: end(pieces.far) });
+                }
+                return Ok(());
             }
         }
         let chords = place.cell.chords(leaf, &place.ray.line(&leaf.leaf_from_cell), from);
-        Ok(Line::of_chords(&chords, |it| mark(it.face)))
+        let end = |it: Crossing| End { t: it.t, surface: mark(it.face), flipped: false };
+        self.stacks.lines.push_sorted(chords.iter().map(|it| Interval { near: end(it.near), far: end(it.far) }));
+        Ok(())
     }
 
     fn instance(&mut self, instance: &Instance, range: Range, tolerance: f64) -> Result<Known, Stop> {
         let near = self.place.ray.entered(&instance.way);
         if instance.side * self.place.unit < self.ask.girth.at(near.0.start()) {
-            return Ok(Some(closed(&self.place, instance)));
+            self.closed(instance);
+            return Ok(Known::There);
         }
         if instance.hyper.as_ref().is_some_and(|it| near.0.between(it).is_none()) {
-            return Ok(Some(Line::empty()));
+            return Ok(Known::There);
         }
         let (state, called) = (instance.state, self.place.cell.parts[instance.part as usize].origin);
         let cell = self.tracing.store.cell(self.generation, state, Grain::Fine);
         let Some(cell) = cell.map_err(|it| self.led_into(it, state, called))? else {
             return self.apart(instance, near, range, tolerance).map_err(|it| self.led_into(*it, state, called).into());
         };
-        let (inside, steps) = self.place.inside(self.ask, instance, cell, near);
-        let outside = mem::replace(&mut self.place, inside);
-        self.stacks.begun.push(Begun::Cell(Inside { outside, steps, state, called }));
+        self.stacks.outside.push(self.place);
+        let steps = self.place.enter(self.ask, instance, cell, near);
+        let lines = self.stacks.lines.top();
+        self.stacks.begun.push(Begun::Cell(Inside { steps, state, called, lines }));
         let known =
             self.whole(called, (steps.inwards(range.0), steps.inwards(range.1)), steps.length_inwards(tolerance))?;
-        Ok(if known.is_some() { self.leave(known) } else { None })
+        Ok(if known == Known::There { self.leave() } else { known })
     }
 
     /// The pieces inside an instance whose cell there is no room to keep.
@@ -377,16 +437,18 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
     ) -> Result<Known, Stop> {
         let (tracing, apart) = (self.tracing, self.generation.apart(instance.state));
         let Some(cell) = tracing.store.cell(&apart, ROOT, Grain::Fine)? else {
-            return Ok(Some(Line::empty()));
+            return Ok(Known::There);
         };
         let called = self.place.cell.parts[instance.part as usize].origin;
-        let (place, steps) = self.place.inside(self.ask, instance, cell, near);
+        let mut place = self.place;
+        let steps = place.enter(self.ask, instance, cell, near);
         let range = (steps.inwards(range.0), steps.inwards(range.1));
-        let line = deeper(self.ask, cell, |ask| {
+        let line: Vec<_> = deeper(self.ask, cell, |ask| {
             let mut pieces = Pieces { tracing, generation: &apart, ask, stacks: &mut Stacks::default(), place };
-            pieces.of_cell(called, range, steps.length_inwards(tolerance))
+            pieces.of_cell(called, range, steps.length_inwards(tolerance)).map(<[_]>::to_vec)
         })?;
-        Ok(Some(outwards(&line, steps)))
+        self.stacks.lines.push_sorted(line.iter().map(|it| outwards(it, steps)));
+        Ok(Known::There)
     }
 
     fn whole(&mut self, called: Origin, range: Range, tolerance: f64) -> Result<Known, Stop> {
@@ -396,35 +458,39 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
     }
 
     /// Leaves the innermost cell with the pieces inside it.
-    fn leave(&mut self, known: Known) -> Known {
-        let Some(Begun::Cell(Inside { outside, steps, .. })) = self.stacks.begun.pop() else {
-            return known;
-        };
-        let Place { trail, .. } = mem::replace(&mut self.place, outside);
-        let line = known.filter(|it| !it.is_empty());
-        if line.is_none() {
-            // Nothing names what was on the way.
-            self.ask.notes.trails.forget_from(trail);
+    fn leave(&mut self) -> Known {
+        if let Some(Begun::Cell(Inside { steps, lines, .. })) = self.stacks.begun.pop() {
+            if self.stacks.lines.top() == lines {
+                // Nothing names what was on the way.
+                self.ask.notes.trails.forget_from(self.place.trail);
+            }
+            self.stacks.lines.change(lines, |it| outwards(it, steps));
         }
-        Some(line.map_or_else(Line::empty, |it| outwards(&it, steps)))
+        if let Some(outside) = self.stacks.outside.last() {
+            self.place = *outside;
+            self.stacks.outside.pop();
+        }
+        Known::There
+    }
+
+    /// The piece inside the box of an instance: inside Booleans recursion ends in closed boxes, since they need an inside.
+    fn closed(&mut self, instance: &Instance) {
+        let mark = Mark { trail: self.place.trail, part: instance.part, face: 0 };
+        let end = |t| End { t, surface: mark, flipped: false };
+        if let Some((near, far)) = self.place.ray.between(&instance.bounds) {
+            self.stacks.lines.push(Interval { near: end(near), far: end(far) });
+        }
     }
 }
 
-fn check(line: &Line, most: u32) -> Result<(), Stop> {
-    if line.len() > most as usize { Err(limit(Limit::Intervals, most)) } else { Ok(()) }
+#[inline]
+fn check(lines: &Lines, first: usize, most: u32) -> Result<(), Stop> {
+    if lines.top() - first > most as usize { Err(limit(Limit::Intervals, most)) } else { Ok(()) }
 }
 
 #[cold]
 fn limit(limit: Limit, most: u32) -> Stop {
     Fault::new(FaultKind::Limit { limit, most: u64::from(most) }, Origin::NONE).into()
-}
-
-/// The piece inside the box of an instance: inside Booleans recursion ends in closed boxes, since they need an inside.
-fn closed(place: &Place, instance: &Instance) -> Line {
-    let mark = Mark { trail: place.trail, part: instance.part, face: 0 };
-    let end = |t| End { t, surface: mark, flipped: false };
-    let piece = place.ray.between(&instance.bounds).map(|(near, far)| Interval { near: end(near), far: end(far) });
-    Line::of_sorted(piece)
 }
 
 /// The number of the first part in a member.
@@ -437,7 +503,7 @@ fn first_part(cell: &Cell, member: Ref) -> u32 {
     }
 }
 
-fn outwards(line: &Line, steps: Steps) -> Line {
+fn outwards(piece: &Interval<Mark>, steps: Steps) -> Interval<Mark> {
     let end = |it: End<Mark>| End { t: steps.outwards(it.t), ..it };
-    Line::of_sorted(line.as_slice().iter().map(|it| Interval { near: end(it.near), far: end(it.far) }))
+    Interval { near: end(piece.near), far: end(piece.far) }
 }

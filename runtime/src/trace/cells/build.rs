@@ -289,32 +289,36 @@ impl Layout<'_, '_, '_> {
         let parts = part..self.cell.parts.len() as u32;
         let height = self.height(&self.cell.unions[operands.start as usize..]);
         let convex = height > 0 && self.are_convex(&self.cell.unions[operands.start as usize..]);
-        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height, convex });
+        let is_leaf = |it: &Union| matches!(it.only().map(Ref::named), Some(Named::Leaf(_)));
+        let narrows = !difference && !self.cell.unions[operands.start as usize..].iter().all(is_leaf);
+        self.cell.booleans.push(Boolean { difference, operands, parts, tolerance, height, narrows, convex });
         Ok((member, if whole.is_empty() { Aabb::EMPTY } else { whole }))
     }
 
     /// The height of a Boolean of these operands, as [`Boolean::height`].
     fn height(&self, operands: &[Union]) -> u32 {
-        let of = |union: &Union| match union.only().map(Ref::named) {
-            Some(Named::Leaf(_)) => Some(1),
-            Some(Named::Boolean(number)) => {
+        let of = |member: &Ref| match member.named() {
+            Named::Leaf(_) => Some(1),
+            Named::Boolean(number) => {
                 let inner = self.cell.booleans[number as usize].height;
                 (1..MOST_HEIGHT).contains(&inner).then_some(inner + 1)
             }
-            Some(Named::Node(_) | Named::Instance(_)) | None => None,
+            Named::Node(_) | Named::Instance(_) => None,
         };
-        operands.iter().map(of).try_fold(0, |most, it| it.map(|it| most.max(it))).unwrap_or(0)
+        let mut members = operands.iter().flat_map(|it| &it.always);
+        let has_boxes = operands.iter().any(|it| it.root.is_some());
+        if has_boxes { 0 } else { members.try_fold(1, |most, it| of(it).map(|it| most.max(it))).unwrap_or(0) }
     }
 
-    /// Whether operands are convex solids, and Booleans of such.
+    /// Whether all members of operands that have no boxes are convex solids, and Booleans of such.
     fn are_convex(&self, operands: &[Union]) -> bool {
-        operands.iter().all(|union| match union.only().map(Ref::named) {
-            Some(Named::Leaf(number)) => {
+        operands.iter().flat_map(|it| &it.always).all(|it| match it.named() {
+            Named::Leaf(number) => {
                 let Leaf { solid, shape, .. } = &self.cell.leaves[number as usize];
                 *solid && matches!(shape, LeafShape::Convex(_))
             }
-            Some(Named::Boolean(number)) => self.cell.booleans[number as usize].convex,
-            Some(Named::Node(_) | Named::Instance(_)) | None => false,
+            Named::Boolean(number) => self.cell.booleans[number as usize].convex,
+            Named::Node(_) | Named::Instance(_) => false,
         })
     }
 }

@@ -447,9 +447,8 @@ impl<'g, K: Kernel> Search<'_, '_, '_, 'g, K> {
             (f64::NEG_INFINITY, f64::INFINITY)
         };
         let (tracing, generation, stacks) = (self.tracing, self.generation, &mut self.scratch.stacks);
-        let mut pieces = Pieces { tracing, generation, ask, stacks, place };
-        let line = pieces.of_boolean(boolean, range)?;
-        for piece in line.as_slice() {
+        Pieces { tracing, generation, ask, stacks, place }.of_boolean(boolean, range)?;
+        for piece in stacks.lines.from(0) {
             let event = |end: &crate::geometry::End<Mark>| Event {
                 t: place.ray.world(end.t),
                 mark: end.surface,

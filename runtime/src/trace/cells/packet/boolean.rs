@@ -10,7 +10,7 @@ use super::{Frame, PacketSearch, Stop};
 use crate::geometry::{Pierced, Side};
 use crate::lanes::{Kernel, Mask, Wide, lanes_of};
 use crate::trace::cells::ask::{Found, Mark, NONE};
-use crate::trace::cells::cell::{Boolean, Cell, Leaf, Named, Ref};
+use crate::trace::cells::cell::{Boolean, Cell, Leaf, Named, Ref, Union};
 use crate::trace::cells::ray::{Locals, TAME};
 
 /// How many pieces a lane has at most.
@@ -138,14 +138,10 @@ impl<K: Kernel> Part<'_, K> {
     #[inline(always)]
     fn combined(&self, boolean: &Boolean) -> Line<K::Register> {
         let lanes = self.kernel.register();
+        let tolerance = Wide::splat(lanes, boolean.tolerance);
         let mut line: Option<Line<K::Register>> = None;
         for operand in boolean.operands.clone() {
-            let other = match self.cell.unions[operand as usize].only().map(Ref::named) {
-                Some(Named::Leaf(number)) => self.leaf(&self.cell.leaves[number as usize]),
-                Some(Named::Boolean(number)) => self.inside(&self.cell.booleans[number as usize]),
-                Some(Named::Node(_) | Named::Instance(_)) | None => Line::empty(lanes),
-            };
-            let tolerance = Wide::splat(lanes, boolean.tolerance);
+            let other = self.united(&self.cell.unions[operand as usize], tolerance);
             let left = match line {
                 None => other,
                 Some(line) if boolean.difference => line.difference(lanes, &other, tolerance),
@@ -158,6 +154,30 @@ impl<K: Kernel> Part<'_, K> {
             }
         }
         line.unwrap_or_else(|| Line::empty(lanes))
+    }
+
+    /// The pieces inside an operand.
+    #[inline(always)]
+    fn united(&self, union: &Union, tolerance: Wide<K::Register>) -> Line<K::Register> {
+        let lanes = self.kernel.register();
+        let mut line: Option<Line<K::Register>> = None;
+        for member in &union.always {
+            let other = self.member(*member);
+            line = Some(match line {
+                None => other,
+                Some(line) => line.union(lanes, &other, tolerance),
+            });
+        }
+        line.unwrap_or_else(|| Line::empty(lanes))
+    }
+
+    #[inline(always)]
+    fn member(&self, member: Ref) -> Line<K::Register> {
+        match member.named() {
+            Named::Leaf(number) => self.leaf(&self.cell.leaves[number as usize]),
+            Named::Boolean(number) => self.inside(&self.cell.booleans[number as usize]),
+            Named::Node(_) | Named::Instance(_) => Line::empty(self.kernel.register()),
+        }
     }
 
     /// The piece inside a convex primitive.
@@ -244,6 +264,49 @@ impl<S: Simd> Line<S> {
         self.odd = self.odd | (behind & second.met);
         *second = Piece::select(behind & !second.met, piece, *second);
         *first = Piece::select(piece.met & !behind, piece, *first);
+    }
+
+    /// What lies in either.
+    #[inline(always)]
+    fn union(self, lanes: S, other: &Self, tolerance: Wide<S>) -> Self {
+        let mut line = self;
+        line.odd = line.odd | other.odd;
+        for piece in other.pieces {
+            if piece.met.is_none() {
+                break;
+            }
+            line = line.with(lanes, piece, tolerance);
+        }
+        line
+    }
+
+    /// What lies in this or in a piece.
+    #[inline(always)]
+    fn with(self, lanes: S, piece: Piece<S>, tolerance: Wide<S>) -> Self {
+        let mut line = Self { odd: self.odd, ..Self::empty(lanes) };
+        if self.pieces[0].met.is_none() {
+            line.add(piece);
+            return line;
+        }
+        let mut all = piece;
+        let mut apart = self.pieces;
+        for one in &mut apart {
+            line.odd = line.odd | one.touches(piece, tolerance);
+            let one_piece = one.met & piece.met & one.near.t.lt(piece.far.t) & piece.near.t.lt(one.far.t);
+            // Ends that are equal are both without end: they are those of what was written first.
+            all.near = Ends::select(one_piece, one.near.earlier(all.near), all.near);
+            all.far = Ends::select(one_piece, one.far.later(all.far), all.far);
+            one.met = one.met & !one_piece;
+        }
+        let before = |one: &Piece<S>| one.near.t.lt(all.near.t) | !all.met;
+        for one in apart {
+            line.add(Piece { met: one.met & before(&one), ..one });
+        }
+        line.add(all);
+        for one in apart {
+            line.add(Piece { met: one.met & !before(&one), ..one });
+        }
+        line
     }
 
     /// What lies in both.

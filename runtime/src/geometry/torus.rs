@@ -5,9 +5,9 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::chord::{Chords, add_span};
+use super::chord::{Chords, Span, add_span};
 use super::ray::Ray;
-use super::solve::{around, nearest, unit};
+use super::solve::{Quadratic, around, nearest, sorted, unit};
 
 /// The pieces of the line inside the torus.
 pub(super) fn chords(r: f64, ray: &Ray, on_surface: bool) -> Chords {
@@ -20,12 +20,16 @@ pub(super) fn chords(r: f64, ray: &Ray, on_surface: bool) -> Chords {
     let Some((low, high)) = around(0.0, reach * reach - foot.dot(foot)) else {
         return Chords::new();
     };
+    let mut chords = Chords::new();
     let (roots, shift) = if on_surface {
         (Line::new(r, ray.origin, direction).other_roots(shift + low, shift + high), 0.0)
     } else {
-        (Line::new(r, foot, direction).roots(low, high), shift)
+        let line = Line::new(r, foot, direction);
+        let Some((low, high)) = line.narrowed(low, high) else {
+            return chords;
+        };
+        (line.roots(low, high), shift)
     };
-    let mut chords = Chords::new();
     for pair in roots.chunks_exact(2) {
         add_span(&mut chords, ((pair[0] + shift) / length, (pair[1] + shift) / length));
     }
@@ -37,6 +41,31 @@ pub(super) fn normal(point: DVec3) -> DVec3 {
     let circle = point.with_z(0.0).try_normalize().unwrap_or(DVec3::ZERO);
     unit(point - circle)
 }
+
+/// How far from the torus, in parts of its tube's radius, is near enough to look for where a line meets it.
+const NEAR: f64 = 0.125;
+
+/// How often a line is followed towards the torus from either side: enough for all but those that graze it.
+const STRIDES: usize = 6;
+
+/// More than rounding makes of a distance.
+const ROUNDING: f64 = 1e-12;
+
+/// How short the last step towards a crossing has to be: as it is, and in parts of the place.
+#[derive(Clone, Copy)]
+struct Exact {
+    length: f64,
+    part: f64,
+}
+
+/// As exact as points on the torus are, which are about 1 long.
+const EXACT: Exact = Exact { length: 4e-16, part: 4e-16 };
+
+/// For lines that start on the torus: the next crossing may be as near as it likes.
+const FROM_SURFACE: Exact = Exact { length: 0.0, part: 4e-16 };
+
+/// For places where the quartic turns: beside them its value is the same to rounding.
+const TURN: Exact = Exact { length: 1e-9, part: 1e-9 };
 
 /// Some numbers in order.
 type Roots = SmallVec<[f64; 4]>;
@@ -72,14 +101,48 @@ impl Line {
         (value, 2.0 * (out * round_speed + p.z * self.direction.z))
     }
 
+    /// The stretch between `low` and `high`, which are outside, where the line is near the torus; its ends are outside, too. None if the line
+    /// stays away from it.
+    fn narrowed(&self, low: f64, high: f64) -> Option<Span> {
+        let (mut low, mut high) = self.within_height(low, high)?;
+        for _ in 0..STRIDES {
+            let (start, end) = (self.clearance(low), self.clearance(high));
+            low += start;
+            high -= end;
+            if low >= high {
+                return None;
+            }
+            if start.max(end) < NEAR * self.r {
+                break;
+            }
+        }
+        Some((low, high))
+    }
+
+    /// The stretch between `low` and `high` where the line is no higher than the torus, and no lower.
+    fn within_height(&self, low: f64, high: f64) -> Option<Span> {
+        let (z, speed, reach) = (self.origin.z, self.direction.z, self.r + ROUNDING);
+        let (down, up) = sorted((-reach - z) / speed, (reach - z) / speed);
+        // Both are infinite for a level line: one on each side, or both on the same if it is too high or too low.
+        let (low, high) = (low.max(down), high.min(up));
+        (low < high).then_some((low, high))
+    }
+
+    /// How far a line can be followed from a place outside without meeting the torus, whatever its direction.
+    fn clearance(&self, t: f64) -> f64 {
+        let p = self.origin + self.direction * t;
+        let out = p.truncate().length() - 1.0;
+        ((out * out + p.z * p.z).sqrt() - self.r - ROUNDING).max(0.0)
+    }
+
     /// Where the line crosses the torus between `low` and `high`, which are outside.
     ///
     /// Between two places where the quartic turns there is at most one crossing, and it is between a value below 0 and one
     /// above: no formula for quartics, which all lose digits, is needed.
     fn roots(&self, low: f64, high: f64) -> Roots {
         let [_, c1, c2, c3, c4] = self.quartic;
-        let turns = polynomial_roots(&[c1, 2.0 * c2, 3.0 * c3, 4.0 * c4], low, high);
-        crossings(&|t| self.excess(t), &turns, low, high)
+        let turns = cubic_roots(&[c1, 2.0 * c2, 3.0 * c3, 4.0 * c4], low, high, TURN);
+        crossings(&|t| self.excess(t), &turns, low, high, EXACT)
     }
 
     /// The same if the line starts on the torus: one root is 0, and the rest are those of the quartic divided by t.
@@ -89,7 +152,7 @@ impl Line {
         // The slope at 0 decides on which side of 0 a near root lies, so it is found from the gradient.
         let across = self.origin.truncate().dot(self.direction.truncate());
         let c1 = 8.0 * ((round - 1.0) * across + round * self.origin.z * self.direction.z);
-        let mut roots: Roots = polynomial_roots(&[c1, c2, c3, c4], low, high)
+        let mut roots: Roots = cubic_roots(&[c1, c2, c3, c4], low, high, FROM_SURFACE)
             .into_iter()
             .filter(|t| self.is_outer(*t))
             .map(|t| self.polished(t))
@@ -124,22 +187,19 @@ impl Line {
     }
 }
 
-/// Where a polynomial changes sign between `low` and `high`; its constant comes first, at most four parts.
-fn polynomial_roots(parts: &[f64], low: f64, high: f64) -> Roots {
-    let turns = match parts {
-        [] | [_] => return Roots::new(),
-        [_, _] => Roots::new(),
-        [_, higher @ ..] => {
-            let derivative: SmallVec<[f64; 4]> =
-                higher.iter().zip(1..).map(|(part, power)| part * f64::from(power)).collect();
-            polynomial_roots(&derivative, low, high)
-        }
+/// Where a polynomial of the third degree changes sign between `low` and `high`, to be [`Exact`]; its constant comes first.
+fn cubic_roots(parts: &[f64; 4], low: f64, high: f64, exact: Exact) -> Roots {
+    let [_, c1, c2, c3] = *parts;
+    let slope = Quadratic { a: 3.0 * c3, b: c2, c: c1 };
+    let turns: Roots = match slope.roots(slope.discriminant()) {
+        Some((first, second)) => [first, second].into_iter().filter(|it| low < *it && *it < high).collect(),
+        None => Roots::new(),
     };
-    crossings(&|t| polynomial(parts, t), &turns, low, high)
+    crossings(&|t| polynomial(parts, t), &turns, low, high, exact)
 }
 
 /// The value of a polynomial and its slope, by Horner's rule.
-fn polynomial(parts: &[f64], t: f64) -> (f64, f64) {
+fn polynomial(parts: &[f64; 4], t: f64) -> (f64, f64) {
     let (mut value, mut slope) = (0.0, 0.0);
     for part in parts.iter().rev() {
         slope = slope * t + value;
@@ -149,14 +209,14 @@ fn polynomial(parts: &[f64], t: f64) -> (f64, f64) {
 }
 
 /// Where a function changes sign between `low` and `high`, if it turns nowhere but at `turns`.
-fn crossings(function: &impl Fn(f64) -> (f64, f64), turns: &[f64], low: f64, high: f64) -> Roots {
+fn crossings(function: &impl Fn(f64) -> (f64, f64), turns: &[f64], low: f64, high: f64, exact: Exact) -> Roots {
     let mut roots = Roots::new();
     let mut start = low;
     let mut negative = function(low).0 < 0.0;
     for end in turns.iter().copied().chain([high]) {
         let end_negative = function(end).0 < 0.0;
         if negative != end_negative {
-            roots.push(crossing(function, start, end, negative));
+            roots.push(crossing(function, (start, end), negative, exact));
         }
         (start, negative) = (end, end_negative);
     }
@@ -165,7 +225,7 @@ fn crossings(function: &impl Fn(f64) -> (f64, f64), turns: &[f64], low: f64, hig
 
 /// The root of a function between two places where it has different signs: Newton's steps, halved where they leave the bracket
 /// or the bracket does not shrink fast.
-fn crossing(function: &impl Fn(f64) -> (f64, f64), low: f64, high: f64, low_negative: bool) -> f64 {
+fn crossing(function: &impl Fn(f64) -> (f64, f64), (low, high): Span, low_negative: bool, exact: Exact) -> f64 {
     let (mut low, mut high) = (low, high);
     let mut t = 0.5 * (low + high);
     let mut last_step = high - low;
@@ -176,17 +236,19 @@ fn crossing(function: &impl Fn(f64) -> (f64, f64), low: f64, high: f64, low_nega
         } else {
             high = t;
         }
-        if value == 0.0 {
-            break;
-        }
         let newton = t - value / slope;
         let step = (newton - t).abs();
+        let enough = exact.length + exact.part * t.abs();
+        // Steps as short as that are rounding: they need not get shorter, and may lead nowhere.
+        if step <= enough {
+            return newton.max(low).min(high);
+        }
         let next = if low < newton && newton < high && step <= 0.5 * last_step { newton } else { 0.5 * (low + high) };
         last_step = (next - t).abs();
-        if last_step <= 1e-16 * t.abs() || next == t {
+        t = next;
+        if last_step <= enough {
             break;
         }
-        t = next;
     }
     t
 }

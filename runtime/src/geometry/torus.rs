@@ -48,7 +48,7 @@ const NEAR: f64 = 0.125;
 /// How often a line is followed towards the torus from either side: enough for all but those that graze it.
 const STRIDES: usize = 6;
 
-/// More than rounding makes of a distance.
+/// More than rounding makes of a distance, in parts of the torus' size.
 const ROUNDING: f64 = 1e-12;
 
 /// How short the last step towards a crossing has to be: as it is, and in parts of the place.
@@ -121,18 +121,22 @@ impl Line {
 
     /// The stretch between `low` and `high` where the line is no higher than the torus, and no lower.
     fn within_height(&self, low: f64, high: f64) -> Option<Span> {
-        let (z, speed, reach) = (self.origin.z, self.direction.z, self.r + ROUNDING);
+        let (z, speed, reach) = (self.origin.z, self.direction.z, self.r + self.rounding());
         let (down, up) = sorted((-reach - z) / speed, (reach - z) / speed);
         // Both are infinite for a level line: one on each side, or both on the same if it is too high or too low.
         let (low, high) = (low.max(down), high.min(up));
         (low < high).then_some((low, high))
     }
 
+    fn rounding(&self) -> f64 {
+        ROUNDING * (1.0 + self.r)
+    }
+
     /// How far a line can be followed from a place outside without meeting the torus, whatever its direction.
     fn clearance(&self, t: f64) -> f64 {
         let p = self.origin + self.direction * t;
         let out = p.truncate().length() - 1.0;
-        ((out * out + p.z * p.z).sqrt() - self.r - ROUNDING).max(0.0)
+        ((out * out + p.z * p.z).sqrt() - self.r - self.rounding()).max(0.0)
     }
 
     /// Where the line crosses the torus between `low` and `high`, which are outside.

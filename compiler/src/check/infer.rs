@@ -121,11 +121,21 @@ impl<'a> Infer<'a> {
 
     /// An expression that must have a type; `what` says what it is: "a guard".
     pub(super) fn expect(&mut self, site: Site<'_>, expr: &Expr, needed: &Type, what: &str) {
+        self.expect_or(site, expr, needed, |needed, found| words::mismatch(what, needed, found, expr.span));
+    }
+
+    /// The same, with the problem in words if it is not so, for what is needed and what was found.
+    pub(super) fn expect_or(
+        &mut self,
+        site: Site<'_>,
+        expr: &Expr,
+        needed: &Type,
+        problem: impl FnOnce(&str, &str) -> Problem,
+    ) {
         let found = self.expr(site, expr);
         if found.join(needed).is_none() {
             let (needed, found) = (self.name(needed), self.name(&found));
-            let problem = words::mismatch(what, &needed, &found, expr.span);
-            self.report(self.with_origin(problem, site, expr, &found));
+            self.report(self.with_origin(problem(&needed, &found), site, expr, &found));
         }
     }
 

@@ -288,11 +288,12 @@ impl Infer<'_> {
 
     /// The arguments of a transformation or primitive.
     fn numbers(&mut self, site: Site<'_>, name: &str, args: &[Expr], groups: &[Group], flat: bool) {
-        let what = format!("an argument of `{name}`");
         for (number, arg) in args.iter().enumerate() {
             let parts = if flat { 1 } else { groups.get(number).map_or(1, |it| it.parts.len()) };
             let needed = if parts == 1 { Type::Number } else { Type::Vector(parts as u8) };
-            self.expect(site, arg, &needed, &what);
+            self.expect_or(site, arg, &needed, |needed, found| {
+                crate::words::types::argument(name, needed, found, arg.span)
+            });
         }
     }
 }

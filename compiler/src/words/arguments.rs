@@ -2,7 +2,7 @@
 
 use treegen_grammar::Span;
 
-use super::{count, one_of, quoted};
+use super::{count, elsewhere, one_of, quoted};
 use crate::problem::{Problem, Safety};
 
 /// More arguments than there are parameters.
@@ -24,7 +24,11 @@ pub(crate) fn missing(callee: &str, params: &[&str], missing: &[&str], span: Spa
 /// A wrong number of arguments where several numbers would do.
 pub(crate) fn wrong_number(callee: &str, needs: &str, given: usize, span: Span) -> Problem {
     let has = if given == 0 { "has none".to_owned() } else { format!("has {given}") };
-    Problem::error("E0402", format!("`{callee}` takes {needs}"), span, has)
+    let problem = Problem::error("E0402", format!("`{callee}` takes {needs}"), span, has);
+    match elsewhere::arguments(callee) {
+        Some(note) => problem.note(note),
+        None => problem,
+    }
 }
 
 /// An argument with a name that no parameter has.

@@ -41,6 +41,26 @@ const SOLIDS: &[Row] = &[
     (&["for", "while", "loop", "foreach"], None, "`repeat 10 as i { ... }` unites ten copies, with `i` from 0 to 9"),
 ];
 
+/// What a solid or transformation is, for those who give it what it takes in other languages.
+pub(super) fn arguments(callee: &str) -> Option<&'static str> {
+    Some(match callee {
+        "sphere" => "`sphere` has radius 1; `uscale(2) sphere` has radius 2",
+        "box" => "`box` is the cube from -1 to 1; `scale(1, 2, 3) box` is 2 wide, 4 deep and 6 high",
+        "cylinder" => "`cylinder` has radius 1, from z = 0 to 1; `scale(.2, .2, 3) cylinder` is thin and long",
+        "cone" => {
+            "`cone(r0, r1)` has radius r0 at z = 0 and r1 at z = 1; `scale(1, 1, 3) cone(1, 0)` is three times as high"
+        }
+        "torus" => {
+            "`torus(.2)` is a ring of radius 1, .2 thick from its middle; `uscale(2) torus(.2)` is twice as large"
+        }
+        "tetrahedron" | "triangle" => "it has one size; `uscale(2)` and `scale(x, y, z)` make others of it",
+        "move" => "`move(x, y, z)` moves along the three axes: `move(0, 0, 1)` moves up",
+        "rotate" => "`rotx(a)`, `roty(a)` and `rotz(a)` turn about the axes: `rotx(90) rotz(30)` turns about z first",
+        "scale" => "`uscale(f)` scales all directions alike",
+        _ => return None,
+    })
+}
+
 /// What is written here where `found` has no place, and something of this list would have.
 pub(super) fn sign(found: &str, expected: &[String]) -> Option<&'static str> {
     let expects = |it: &str| expected.iter().any(|word| word == it);

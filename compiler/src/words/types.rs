@@ -2,7 +2,7 @@
 
 use treegen_grammar::Span;
 
-use super::{one_of, quoted};
+use super::{elsewhere, one_of, quoted};
 use crate::problem::{Problem, Safety};
 
 /// A value of another type than is needed.
@@ -13,6 +13,15 @@ pub(crate) fn mismatch(for_what: &str, needs: &str, is: &str, span: Span) -> Pro
         return problem.note("numbers are compared, as in `n > 0`; 0 is not false");
     }
     problem
+}
+
+/// An argument of a solid or transformation that has another type than is needed.
+pub(crate) fn argument(callee: &str, needs: &str, is: &str, span: Span) -> Problem {
+    let problem = mismatch(&format!("an argument of `{callee}`"), needs, is, span);
+    match elsewhere::arguments(callee) {
+        Some(note) if is == "a number" => problem.note(note),
+        _ => problem,
+    }
 }
 
 /// A value of another type than an earlier one.

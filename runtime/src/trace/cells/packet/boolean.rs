@@ -159,16 +159,25 @@ impl<K: Kernel> Part<'_, K> {
     /// The pieces inside an operand.
     #[inline(always)]
     fn united(&self, union: &Union, tolerance: Wide<K::Register>) -> Line<K::Register> {
-        let lanes = self.kernel.register();
-        let mut line: Option<Line<K::Register>> = None;
-        for member in &union.always {
-            let other = self.member(*member);
-            line = Some(match line {
-                None => other,
-                Some(line) => line.union(lanes, &other, tolerance),
-            });
-        }
-        line.unwrap_or_else(|| Line::empty(lanes))
+        let Some((first, others)) = union.always.split_first() else {
+            return Line::empty(self.kernel.register());
+        };
+        let line = self.member(*first);
+        if others.is_empty() { line } else { self.united_with(line, others, tolerance) }
+    }
+
+    /// The same with some more members: few operands have any.
+    fn united_with(&self, line: Line<K::Register>, others: &[Ref], tolerance: Wide<K::Register>) -> Line<K::Register> {
+        self.kernel.vectorize(
+            #[inline(always)]
+            || {
+                let mut line = line;
+                for member in others {
+                    line = line.union(self.kernel.register(), &self.member(*member), tolerance);
+                }
+                line
+            },
+        )
     }
 
     #[inline(always)]

@@ -223,6 +223,31 @@ fn booleans_inside_one_another_cost_no_stack() {
 }
 
 #[test]
+fn cells_inside_one_another_in_a_boolean_cost_no_stack() {
+    // 1000 states of so many members that no cell is merged into the one outside it.
+    let mut b = Builder::default();
+    let stop = b.primitive(PrimitiveKind::Box, &[]);
+    let sphere = b.primitive(PrimitiveKind::Sphere, &[]);
+    let mut members: Vec<_> =
+        (0..260).map(|it| b.transform(TransformKind::Move, &[4.0 + 3.0 * f64::from(it), 0.0, 0.0], sphere)).collect();
+    let call = b.call(0, slot_and(Slot(0), BinaryOp::Subtract, 1.0));
+    members.push(b.transform(TransformKind::Move, &[0.0, 0.0, 1e-3], call));
+    let go = b.add(Node::Union(members.into()));
+    b.module(stop, go);
+    let all = b.primitive(PrimitiveKind::Box, &[]);
+    let all = b.transform(TransformKind::UScale, &[1e4], all);
+    let first = b.call(0, numbers(&[1000.0]));
+    let start = b.add(Node::Intersect([all, first].into()));
+    let scene = b.scene(start);
+    let thread = thread::Builder::new().stack_size(1 << 19).spawn(move || {
+        let ray = Ray { origin: DVec3::new(0.1, 0.2, 5.0), direction: DVec3::NEG_Z };
+        let samples = look(&tracer(&scene, &Limits::default(), Culling::State), &[ray]);
+        assert!((depth(&samples[0]).expect("the cube at the end") - 3.0).abs() < 1e-9);
+    });
+    thread.expect("a thread").join().expect("no overflow");
+}
+
+#[test]
 fn a_limit_of_depth_names_the_modules_that_led_there() {
     let scene = common::sierpinski(6.0);
     let at = |depth| CellTracer::new(&scene, &Limits { depth, ..Limits::default() }, Culling::State).map(drop);

@@ -124,7 +124,7 @@ impl<'a> Infer<'a> {
         self.expect_or(site, expr, needed, |needed, found| words::mismatch(what, needed, found, expr.span));
     }
 
-    /// The same, with the problem in words if it is not so, for what is needed and what was found.
+    /// The same, with what to report if it has another one, made of the names of the type that is needed and of the one found.
     pub(super) fn expect_or(
         &mut self,
         site: Site<'_>,

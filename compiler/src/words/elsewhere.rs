@@ -53,7 +53,8 @@ pub(super) fn arguments(callee: &str) -> Option<&'static str> {
         "torus" => {
             "`torus(.2)` is a ring of radius 1, .2 thick from its middle; `uscale(2) torus(.2)` is twice as large"
         }
-        "tetrahedron" | "triangle" => "it has one size; `uscale(2)` and `scale(x, y, z)` make others of it",
+        "tetrahedron" => "`tetrahedron` has one size; `uscale(2) tetrahedron` is twice as large",
+        "triangle" => "`triangle` has corners (0, 0, 0), (1, 0, 0) and (0, 1, 0); `matrix` puts them anywhere",
         "move" => "`move(x, y, z)` moves along the three axes: `move(0, 0, 1)` moves up",
         "rotate" => "`rotx(a)`, `roty(a)` and `rotz(a)` turn about the axes: `rotx(90) rotz(30)` turns about z first",
         "scale" => "`uscale(f)` scales all directions alike",

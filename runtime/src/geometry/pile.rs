@@ -1,4 +1,4 @@
-//! Lines on top of one another: what [`Intervals`](super::Intervals) is for one ray at rest, for a search that has many lists at work.
+//! Lists of pieces on top of one another: what [`Intervals`](super::Intervals) is for a single list, for a search that has many at work.
 
 use super::intervals::{Builder, Gathered, Interval, List, intersect, subtract};
 

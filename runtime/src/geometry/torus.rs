@@ -64,8 +64,8 @@ const EXACT: Exact = Exact { length: 4e-16, part: 4e-16 };
 /// For lines that start on the torus: the next crossing may be as near as it likes.
 const FROM_SURFACE: Exact = Exact { length: 0.0, part: 4e-16 };
 
-/// For places where the quartic turns: beside them its value is the same to rounding.
-const TURN: Exact = Exact { length: 1e-9, part: 1e-9 };
+/// For places where the quartic of a tube as wide as 1 turns: beside them its value is the same to rounding.
+const TURN: f64 = 1e-9;
 
 /// Some numbers in order.
 type Roots = SmallVec<[f64; 4]>;
@@ -145,7 +145,9 @@ impl Line {
     /// above: no formula for quartics, which all lose digits, is needed.
     fn roots(&self, low: f64, high: f64) -> Roots {
         let [_, c1, c2, c3, c4] = self.quartic;
-        let turns = cubic_roots(&[c1, 2.0 * c2, 3.0 * c3, 4.0 * c4], low, high, TURN);
+        // In a thin tube a place beside the turn may be outside.
+        let exact = Exact { length: (TURN * self.r).clamp(EXACT.length, TURN), part: EXACT.part };
+        let turns = cubic_roots(&[c1, 2.0 * c2, 3.0 * c3, 4.0 * c4], low, high, exact);
         crossings(&|t| self.excess(t), &turns, low, high, EXACT)
     }
 

@@ -110,7 +110,7 @@ fn the_round_face_of_a_cylinder_and_of_a_cone_is_met_at_the_right_place() {
 #[test]
 fn a_torus_is_met_where_its_circles_are() {
     let mut numbers = Numbers(23);
-    for r in [1e-3, 0.1, 0.5, 0.9] {
+    for r in [1e-10, 1e-3, 0.1, 0.5, 0.9] {
         let torus = primitive(PrimitiveKind::Torus, &[r]);
         for _ in 0..2_000 {
             // A level plane cuts the torus in two circles about the axis.

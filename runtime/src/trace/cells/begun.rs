@@ -24,7 +24,7 @@ pub(super) struct Stacks<'g> {
     pub(super) members: Vec<Ref>,
     /// The pieces inside those that were looked at.
     pub(super) gathered: Gathered<Mark>,
-    /// How many of those begun are Booleans.
+    /// How many Booleans are looked at, each inside the one before, whether they lie among those begun or not.
     pub(super) booleans: u32,
 }
 
@@ -41,9 +41,9 @@ pub(super) struct Operation<'g> {
     /// The operands still to be looked at.
     operands: std::ops::Range<u32>,
     range: Range,
-    /// Where on the stack the pieces begin that are left by those before,
+    /// Where on their stack the pieces begin that are left by the operands before.
     pub(super) first: usize,
-    /// and those inside the operand that is looked at.
+    /// Where those begin that are inside the operand that is looked at.
     second: usize,
 }
 

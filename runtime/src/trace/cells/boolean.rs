@@ -110,8 +110,8 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         self.finish(known)
     }
 
-    /// The pieces inside a Boolean of the cell whose operands are too few primitives for boxes: it calls itself for Booleans in it, which are
-    /// not many in one another, so that nothing has to be begun.
+    /// The pieces inside a Boolean of the cell whose operands have no boxes: it calls itself for Booleans in it, which are not many in one
+    /// another, so that nothing has to be begun.
     fn plain(&mut self, boolean: &'g Boolean, range: Range) -> Result<(), Stop> {
         let Some(mut operation) = self.begin(boolean, range)? else {
             return Ok(());
@@ -276,17 +276,23 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         Ok(Known::There)
     }
 
+    /// The pieces inside an operand.
     fn union(&mut self, number: u32, range: Range, tolerance: f64) -> Result<Known, Stop> {
         let union = &self.place.cell.unions[number as usize];
         if let Some(only) = union.only() {
             return self.member(only, range, tolerance);
         }
+        let gathering = self.begin_union(union, range, tolerance)?;
+        self.gather(gathering, Known::Later)
+    }
+
+    fn begin_union(&mut self, union: &Union, range: Range, tolerance: f64) -> Result<Gathering, Stop> {
         let Stacks { lines, members, gathered, .. } = &*self.stacks;
         let gathering =
             Gathering { range, tolerance, lines: lines.top(), members: members.len(), pieces: gathered.len() };
         self.members(union, range)?;
         self.stacks.begun.push(Begun::Union(gathering));
-        self.gather(gathering, Known::Later)
+        Ok(gathering)
     }
 
     /// Goes on with the innermost union.
@@ -451,10 +457,16 @@ impl<'g, K: Kernel> Pieces<'_, '_, 'g, '_, K> {
         Ok(Known::There)
     }
 
+    /// The pieces inside the whole cell, which may be the last of thousands: its union is begun and no more.
     fn whole(&mut self, called: Origin, range: Range, tolerance: f64) -> Result<Known, Stop> {
         self.ask.cells += 1;
         self.tracing.check_depth(self.place.levels + self.place.cell.levels, called)?;
-        self.union(0, range, tolerance)
+        let union = &self.place.cell.unions[0];
+        if let Some(only) = union.only() {
+            return self.member(only, range, tolerance);
+        }
+        self.begin_union(union, range, tolerance)?;
+        Ok(Known::Later)
     }
 
     /// Leaves the innermost cell with the pieces inside it.

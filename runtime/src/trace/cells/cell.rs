@@ -352,9 +352,10 @@ pub(super) struct Boolean {
     pub(super) parts: Range<u32>,
     /// How near events count as one: 1e-12 of its size.
     pub(super) tolerance: f64,
-    /// How many Booleans stand in one another in it, if it is made of primitives too few for boxes, and they are not many; else 0.
+    /// How many Booleans stand in one another in it, if they are not many, and what they are made of are primitives without boxes: few, or
+    /// without bounds; else 0.
     pub(super) height: u32,
-    /// Whether it is an intersection of single primitives and others: then the primitives say where those are looked at.
+    /// Whether it is an intersection not of single primitives alone: those among its operands say where the others are looked at.
     pub(super) narrows: bool,
     /// Whether all of these are convex, and have an inside: then pieces inside it can be found for several rays at once.
     pub(super) convex: bool,

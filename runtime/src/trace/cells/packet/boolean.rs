@@ -62,7 +62,7 @@ impl<K: Kernel> PacketSearch<'_, '_, '_, '_, '_, K> {
         if boolean.height > most_booleans || (most_intervals as usize) < PIECES || !boolean.convex {
             return self.go_alone(rays, what);
         }
-        // Each operand is a step, as it is for a ray alone.
+        // Each primitive is a step, as it is for a ray alone.
         self.ask.steps += u64::from(boolean.parts.end - boolean.parts.start);
         let mut apart = rays & frame.wild;
         for ray in lanes_of(rays & frame.starting & !apart) {
@@ -279,7 +279,7 @@ impl<S: Simd> Line<S> {
     #[inline(always)]
     fn union(self, lanes: S, other: &Self, tolerance: Wide<S>) -> Self {
         let mut line = self;
-        line.odd = line.odd | other.odd;
+        line.odd = line.odd | other.odd | line.is_torn(tolerance) | other.is_torn(tolerance);
         for piece in other.pieces {
             if piece.met.is_none() {
                 break;
@@ -287,6 +287,13 @@ impl<S: Simd> Line<S> {
             line = line.with(lanes, piece, tolerance);
         }
         line
+    }
+
+    /// Where both pieces are there, so near each other that they may count as one in a union.
+    #[inline(always)]
+    fn is_torn(&self, tolerance: Wide<S>) -> Mask<S> {
+        let [first, second] = &self.pieces;
+        first.met & second.met & first.far.beside(second.near, tolerance)
     }
 
     /// What lies in this or in a piece.

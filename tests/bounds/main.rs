@@ -207,6 +207,33 @@ fn corners_that_are_drawn_lie_where_they_may_be_drawn() {
     );
 }
 
+#[test]
+fn bounds_of_terrain_on_a_plain_without_end_take_no_longer() {
+    // What has no bounds is no reason to look at all triangles one by one.
+    let terrain = include_str!("../../examples/carpenter.tg");
+    let plain = terrain.replace("scale(1000, 1000, 100) box", "halfspace(0, 0, 1, 0)");
+    assert_ne!(terrain, plain);
+    let limits = Limits { work: 2_000_000, ..Limits::default() };
+    for text in [terrain, &plain] {
+        let scene = scene(text, &[]);
+        let boxes = Boxes::new(&scene, &limits).unwrap();
+        boxes.loose(&boxes.root()).unwrap();
+    }
+}
+
+#[test]
+fn what_is_nowhere_to_be_seen_makes_no_bounds_infinite() {
+    // With all places taken together it looks as if a square could be below 0; one by one it does not.
+    let text = "csg S {
+      start T((0, 0, 0), 5);
+      T(p, n) if n == 0 -> Leaf(p);
+      T(p, n) -> T(p + (n, 1, 1), n - 1) | T(p - (1, n, 1), n - 1);
+      Leaf(p) if p.z * p.z < 0 -> halfspace(0, 0, 1, 0);
+      Leaf(p) -> move(p) box;
+    }";
+    assert_box(text, [-6.0, -16.0, -6.0], [16.0, 6.0, 6.0]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -153,7 +153,7 @@ impl Canon {
         if let Some(known) = self.vague.get(&vague) {
             return known.as_deref().copied();
         }
-        let extent = self.run(flow, vague.clone()).ok().filter(|it| it.loose.bounds.is_finite());
+        let extent = self.run(flow, vague.clone()).ok().filter(|it| it.loose.is_known());
         if self.vague.len() >= MOST_VAGUE {
             self.vague.clear();
         }

@@ -274,7 +274,7 @@ fn composite(state: usize, near: &[Loose], paths: &[Path]) -> Sketch {
     let part = |path: &Path| {
         let mut way = Way::default();
         way.push(Step::Known { map: path.map, stretch: norm(&path.map.matrix3) });
-        Part { way, copies: 1, what: What::State(path.to as u32) }
+        Part { way, copies: 1, certain: true, what: What::State(path.to as u32) }
     };
     Sketch { fixed: near[state], primitives: 0, parts: ways.map(part).collect() }
 }

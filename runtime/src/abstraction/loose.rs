@@ -23,6 +23,8 @@ pub(crate) struct Loose {
     profile: Profile,
     /// How far all of it moves as each anchor grows by 1; what is known of it is where it is with all of them at 0.
     shift: [DVec3; ANCHORS],
+    /// Whether some of it may be anywhere because too little is known of it, and not because it has no bounds.
+    lost: bool,
 }
 
 /// What is where it is.
@@ -41,6 +43,7 @@ pub(crate) struct Gathered {
     shift: [DVec3; ANCHORS],
     /// Whether they do not move alike, so that nothing is known of them together.
     is_torn: bool,
+    lost: bool,
 }
 
 impl Default for Gathered {
@@ -52,6 +55,7 @@ impl Default for Gathered {
             balls: Vec::new(),
             shift: UNMOVED,
             is_torn: false,
+            lost: false,
         }
     }
 }
@@ -69,6 +73,7 @@ impl Gathered {
         self.bounds = self.bounds.union(&part.bounds);
         self.finite = self.finite.union(&part.finite);
         self.profile = self.profile.union(&part.profile);
+        self.lost |= part.lost;
         self.balls.push((part.center, part.radius));
     }
 
@@ -82,7 +87,7 @@ impl Gathered {
         let radius = self.balls.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
         let radius = if radius < whole.radius { radius } else { whole.radius };
         let profile = self.profile.intersection(&whole.profile);
-        Loose { finite: self.finite, radius, profile, shift: self.shift, ..whole }
+        Loose { finite: self.finite, radius, profile, shift: self.shift, lost: self.lost, ..whole }
     }
 }
 
@@ -95,6 +100,7 @@ impl Loose {
         radius: f64::NEG_INFINITY,
         profile: Profile::EMPTY,
         shift: UNMOVED,
+        lost: false,
     };
     /// Of anything.
     pub(crate) const ALL: Self = Self {
@@ -104,6 +110,7 @@ impl Loose {
         radius: f64::INFINITY,
         profile: Profile::ALL,
         shift: UNMOVED,
+        lost: true,
     };
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -123,10 +130,11 @@ impl Loose {
                 radius: f64::INFINITY,
                 profile,
                 shift: UNMOVED,
+                lost: true,
             };
         }
         let (center, half) = (bounds.min * 0.5 + bounds.max * 0.5, bounds.max * 0.5 - bounds.min * 0.5);
-        Self { bounds, finite: bounds, center, radius: half.length(), profile, shift: UNMOVED }
+        Self { bounds, finite: bounds, center, radius: half.length(), profile, shift: UNMOVED, lost: false }
     }
 
     /// Of a primitive, in the frame outside a map.
@@ -136,7 +144,17 @@ impl Loose {
         let (own, whole) = (own.through_map(map), Self::of_box(bounds));
         let profile = own.profile.intersection(&whole.profile);
         let ball = if own.radius < whole.radius { own } else { whole };
-        Self { center: ball.center, radius: ball.radius, profile, ..whole }.with_room()
+        Self { center: ball.center, radius: ball.radius, profile, lost: false, ..whole }.with_room()
+    }
+
+    /// Whether what of it has no bounds is known to have none; or all of it has some.
+    pub(crate) fn is_known(&self) -> bool {
+        self.bounds.is_finite() || !self.lost
+    }
+
+    /// The same of what is there whatever the draws, or of what need not be.
+    pub(crate) fn if_certain(self, certain: bool) -> Self {
+        Self { lost: self.lost || !certain && !self.is_empty() && !self.bounds.is_finite(), ..self }
     }
 
     /// The same box, which moves so far as each anchor grows by 1.
@@ -206,6 +224,7 @@ impl Loose {
             radius: self.radius * stretch(&map.matrix3),
             profile: turned.moved(Range::at(z), DVec3::new(x, y, 0.0).length()),
             shift: self.shift.map(|it| map.matrix3 * it),
+            lost: self.lost,
         };
         mapped.settled()
     }
@@ -218,7 +237,7 @@ impl Loose {
         if !step.stretch().is_finite() || !keeps_shift {
             return Self::ALL;
         }
-        match step {
+        let mapped = match step {
             Step::Known { map, .. } => self.through_map(map),
             Step::Move(by) => self.moved(by),
             Step::Turn(axis, degrees) => self.turned(*axis, *degrees),
@@ -227,8 +246,10 @@ impl Loose {
             Step::Shear(shear) => self.sheared(shear),
             Step::Unknown => self.turned_somehow(),
             Step::Matrix(rows) => self.through_matrix(rows),
-        }
-        .settled()
+        };
+        // What had bounds has some still, though nobody knows them.
+        let lost = mapped.lost || self.bounds.is_finite() && !mapped.bounds.is_finite();
+        Self { lost, ..mapped }.settled()
     }
 
     fn moved(self, by: &[Range; 3]) -> Self {
@@ -245,6 +266,7 @@ impl Loose {
             radius: self.radius + away,
             profile: self.profile.moved(by[2], aside),
             shift: self.shift,
+            lost: self.lost || !away.is_finite(),
         }
     }
 
@@ -257,6 +279,7 @@ impl Loose {
             radius: self.radius + away,
             profile: if axis == DVec3::Z { self.profile } else { self.profile.tilted(Tilt::by_turning(axis, degrees)) },
             shift: UNMOVED,
+            lost: self.lost,
         }
     }
 
@@ -269,6 +292,7 @@ impl Loose {
             radius: self.radius * factor.magnitude() + self.center.length() * half,
             profile: self.profile.scaled(factor),
             shift: UNMOVED,
+            lost: self.lost,
         }
     }
 
@@ -283,6 +307,7 @@ impl Loose {
             radius: self.radius * most + (self.center * half).length(),
             profile: self.profile.stretched(factors[0].magnitude().max(factors[1].magnitude()), factors[2], 0.0),
             shift: UNMOVED,
+            lost: self.lost,
         }
     }
 
@@ -298,7 +323,7 @@ impl Loose {
         let bounds = sheared(&self.bounds);
         let slope = DVec3::new(shear[0].magnitude(), shear[1].magnitude(), 0.0).length();
         let profile = self.profile.stretched(1.0, Range::at(1.0), slope);
-        Self { finite: sheared(&self.finite), profile, ..Self::of_box(bounds) }
+        Self { finite: sheared(&self.finite), profile, lost: self.lost, ..Self::of_box(bounds) }
     }
 
     /// Turned or mirrored about the origin, nobody knows how.
@@ -310,7 +335,15 @@ impl Loose {
         let radius = self.center.length() + self.radius;
         let bounds = around(&self.bounds).intersection(&ball_box(DVec3::ZERO, radius));
         let profile = Profile::of_ball(DVec3::ZERO, radius);
-        Self { bounds, finite: around(&self.finite), center: DVec3::ZERO, radius, profile, shift: UNMOVED }
+        Self {
+            bounds,
+            finite: around(&self.finite),
+            center: DVec3::ZERO,
+            radius,
+            profile,
+            shift: UNMOVED,
+            lost: self.lost,
+        }
     }
 
     fn through_matrix(self, rows: &[[Range; 4]; 3]) -> Self {
@@ -329,7 +362,8 @@ impl Loose {
             let ends = rows.each_ref().map(ends);
             Aabb { min: DVec3::from_array(ends.map(|it| it.0)), max: DVec3::from_array(ends.map(|it| it.1)) }
         };
-        Self { finite: mapped(&self.finite), ..Self::of_box(mapped(&self.bounds)) }
+        let lost = self.lost || rows.iter().any(|it| !it[3].is_finite());
+        Self { finite: mapped(&self.finite), lost, ..Self::of_box(mapped(&self.bounds)) }
     }
 
     /// Of all that lies in any of these.
@@ -352,7 +386,8 @@ impl Loose {
         let whole = Self::of_box(bounds);
         let smallest = [self, other].into_iter().fold(whole, |a, b| if b.radius < a.radius { b } else { a });
         let profile = self.profile.intersection(&other.profile).intersection(&whole.profile);
-        Self { center: smallest.center, radius: smallest.radius, profile, shift: self.shift, ..whole }
+        let lost = self.lost || other.lost;
+        Self { center: smallest.center, radius: smallest.radius, profile, shift: self.shift, lost, ..whole }
     }
 
     /// The same, each of box, ball and profile cut to the others.
@@ -385,6 +420,7 @@ impl Loose {
             radius: self.radius + room,
             profile: self.profile.grown(room),
             shift: self.shift,
+            lost: self.lost,
         }
     }
 
@@ -451,6 +487,7 @@ impl Loose {
             radius: self.radius * factor,
             profile: self.profile.grown(extra),
             shift: self.shift,
+            lost: self.lost,
         }
     }
 

@@ -34,7 +34,7 @@ impl Part {
     pub(crate) fn mapped(map: &DAffine3, what: What) -> Option<Self> {
         let mut way = Way::default();
         way.push(Step::of_map(map)?);
-        Some(Self { way, copies: 1, what })
+        Some(Self { way, copies: 1, certain: true, what })
     }
 }
 

@@ -42,6 +42,8 @@ pub(crate) struct Part {
     pub(crate) way: Way,
     /// How many of it there are at most; 0 if it only stands for the whole from far away.
     pub(crate) copies: u64,
+    /// Whether it is there whatever the draws.
+    pub(crate) certain: bool,
     pub(crate) what: What,
 }
 
@@ -201,7 +203,7 @@ impl Part {
                 whole(both[0].loose, &both)
             }
         };
-        Extent { loose: own.loose.through(&self.way), ..own }
+        Extent { loose: own.loose.through(&self.way).if_certain(self.certain), ..own }
     }
 }
 

@@ -113,7 +113,7 @@ impl Survey {
             return Ok(*extent);
         }
         let coarse = self.coarse.as_ref().and_then(|it| it.extent(scout, &start).ok());
-        let extent = match coarse.filter(|it| it.loose.bounds.is_finite()) {
+        let extent = match coarse.filter(|it| it.loose.is_known()) {
             Some(extent) => extent,
             None => self.strict.extent(scout, &start)?,
         };

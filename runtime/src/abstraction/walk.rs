@@ -259,7 +259,8 @@ impl Walker {
                         } else if let Some(primitive) = primitive {
                             let loose = bounds_of(primitive, &here.way);
                             let corners = here.linear.and_then(|it| it.bounds(*kind));
-                            sketch.add(corners.map_or(loose, |it| loose.intersection(it)), here.copies);
+                            let loose = corners.map_or(loose, |it| loose.intersection(it));
+                            sketch.add(loose.if_certain(here.certain), here.copies);
                         }
                         return;
                     }
@@ -273,7 +274,7 @@ impl Walker {
                             None => return,
                         }
                     };
-                    sketch.add(loose, here.copies);
+                    sketch.add(loose.if_certain(here.certain), here.copies);
                     return;
                 }
                 Node::Transform { kind, code, body, .. } => {
@@ -319,12 +320,17 @@ impl Walker {
                 }
                 Node::Intersect(operands) => {
                     let operands = self.operands(flow, operands, &here);
-                    sketch.parts.push(Part { way: here.way, copies: here.copies, what: What::Intersect(operands) });
+                    sketch.parts.push(Part {
+                        way: here.way,
+                        copies: here.copies,
+                        certain: here.certain,
+                        what: What::Intersect(operands),
+                    });
                     return;
                 }
                 Node::Difference(first, others) => {
                     let what = self.difference(flow, *first, others, &here);
-                    sketch.parts.push(Part { way: here.way, copies: here.copies, what });
+                    sketch.parts.push(Part { way: here.way, copies: here.copies, certain: here.certain, what });
                     return;
                 }
                 Node::Call(call) => {
@@ -424,7 +430,12 @@ impl Walker {
             self.successors.len() - 1
         });
         self.successors[number].certain |= here.certain;
-        sketch.parts.push(Part { way: here.way, copies: here.copies, what: What::State(number as u32) });
+        sketch.parts.push(Part {
+            way: here.way,
+            copies: here.copies,
+            certain: here.certain,
+            what: What::State(number as u32),
+        });
     }
 
     /// The state behind a call; `None` if its arguments fail.

@@ -11,7 +11,7 @@ use super::program::{MOST_REGISTERS, Place, Program, Registers};
 use super::quick::{self, Plain};
 use super::{Env, Path, random};
 use crate::fault::{Fault, FaultKind, Limit};
-use crate::form::{Builtin, Code, Function, FunctionId, Op, Origin, Reg, Value};
+use crate::form::{Builtin, Code, Function, FunctionId, Op, Origin, Reg, Value, Vector};
 use crate::limits::Limits;
 
 /// What a run of a [`Code`] gives: one value for each of its results.
@@ -176,7 +176,7 @@ impl<'g> Machine<'g> {
             if self.operations > self.limits.operations {
                 return Err(limit(Limit::Operations, self.limits.operations, origin(code, next)));
             }
-            if self.quick(op, env, registers, sites.here) {
+            if self.quick(op, env, registers, Call { site: sites.here, ..call }) {
                 continue;
             }
             match op {
@@ -204,12 +204,22 @@ impl<'g> Machine<'g> {
         Ok(())
     }
 
-    /// Does an operation on numbers that gives one; false if it is something else, and nothing was done.
+    /// Does an operation on numbers and vectors that gives one of these; false if it is something else, and nothing was done.
     #[inline(always)]
-    fn quick(&self, op: &Op, env: &Env, registers: &mut [Value], site: u64) -> bool {
+    fn quick(&self, op: &Op, env: &Env, registers: &mut [Value], call: Call<'_>) -> bool {
         let (to, number) = match op {
             Op::Constant(to, Value::Number(number)) => (to, *number),
             Op::Load(to, slot) => match &env.slots[usize::from(slot.0)] {
+                Value::Number(number) => (to, *number),
+                Value::Vector(vector) => return put_vector(at_mut(registers, *to), Some(*vector)),
+                _ => return false,
+            },
+            Op::Param(to, number) => match &call.args[usize::from(*number)] {
+                Value::Number(number) => (to, *number),
+                Value::Vector(vector) => return put_vector(at_mut(registers, *to), Some(*vector)),
+                _ => return false,
+            },
+            Op::Copy(to, from) => match at(registers, *from) {
                 Value::Number(number) => (to, *number),
                 _ => return false,
             },
@@ -222,8 +232,27 @@ impl<'g> Machine<'g> {
                     }
                     None => return false,
                 },
+                (Value::Vector(x), Value::Vector(y)) => {
+                    let vector = quick::vectors(*op, *x, *y);
+                    return put_vector(at_mut(registers, *to), vector);
+                }
+                (Value::Vector(x), Value::Number(y)) => {
+                    let vector = quick::scaled(*op, *x, *y);
+                    return put_vector(at_mut(registers, *to), vector);
+                }
                 _ => return false,
             },
+            Op::Part(to, vector, number) => match at(registers, *vector) {
+                Value::Vector(vector) => match vector.parts().get(usize::from(*number)) {
+                    Some(part) => (to, *part),
+                    None => return false,
+                },
+                _ => return false,
+            },
+            Op::Vector(to, parts) => {
+                let vector = numbers::<4>(registers, parts).and_then(|it| Vector::new(&it[..parts.len()]));
+                return put_vector(at_mut(registers, *to), vector);
+            }
             Op::Element(to, slot, index) => {
                 let Value::Number(index) = at(registers, *index) else { return false };
                 match quick::element(&env.slots[usize::from(slot.0)], *index) {
@@ -232,13 +261,13 @@ impl<'g> Machine<'g> {
                 }
             }
             Op::Builtin(to, builtin, args) => {
-                match numbers(registers, args).and_then(|it| quick::builtin(*builtin, &it[..args.len()])) {
+                match numbers::<3>(registers, args).and_then(|it| quick::builtin(*builtin, &it[..args.len()])) {
                     Some(number) => (to, number),
                     None => return false,
                 }
             }
             Op::Draw { to, draw, args, place } => {
-                let quick = |it: [f64; 3]| quick::distribute(*draw, self.draw(env, site, *place), &it[..args.len()]);
+                let quick = |it: [f64; 3]| quick::distribute(*draw, self.draw(env, call.site, *place), &it[..args.len()]);
                 match numbers(registers, args).and_then(quick) {
                     Some(number) => (to, number),
                     None => return false,
@@ -374,10 +403,22 @@ fn origin(code: &Code, next: usize) -> Origin {
     code.origins.get(next - 1).copied().unwrap_or(Origin::NONE)
 }
 
-/// The numbers in up to three registers; `None` unless all are numbers.
+/// Puts a vector, if there is one: whether there is.
 #[inline(always)]
-fn numbers(registers: &[Value], regs: &[Reg]) -> Option<[f64; 3]> {
-    let mut numbers = [0.0; 3];
+fn put_vector(to: &mut Value, vector: Option<Vector>) -> bool {
+    match vector {
+        Some(vector) => {
+            *to = Value::Vector(vector);
+            true
+        }
+        None => false,
+    }
+}
+
+/// The numbers in so many registers at most; `None` unless all are numbers.
+#[inline(always)]
+fn numbers<const MOST: usize>(registers: &[Value], regs: &[Reg]) -> Option<[f64; MOST]> {
+    let mut numbers = [0.0; MOST];
     if regs.len() > numbers.len() {
         return None;
     }

@@ -5,7 +5,7 @@
 
 use super::program::{MOST_REGISTERS, NumberOp, Program, Registers};
 use super::{Env, angle, operation, random};
-use crate::form::{BinaryOp, Builtin, Draw, Value};
+use crate::form::{BinaryOp, Builtin, Draw, Value, Vector};
 
 /// What an operator with two operands gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,28 @@ pub(super) fn binary(op: BinaryOp, x: f64, y: f64) -> Option<Plain> {
         BinaryOp::Power => libm::pow(x, y),
     };
     finite(number).map(Plain::Number)
+}
+
+/// Sums and differences of two vectors.
+#[inline(always)]
+pub(super) fn vectors(op: BinaryOp, x: Vector, y: Vector) -> Option<Vector> {
+    let vector = match op {
+        BinaryOp::Add => x.zip(y, |x, y| x + y),
+        BinaryOp::Subtract => x.zip(y, |x, y| x - y),
+        _ => None,
+    };
+    vector.filter(Vector::is_finite)
+}
+
+/// A vector times a number, or divided by one.
+#[inline(always)]
+pub(super) fn scaled(op: BinaryOp, x: Vector, y: f64) -> Option<Vector> {
+    let vector = match op {
+        BinaryOp::Multiply => Some(x.map(|it| it * y)),
+        BinaryOp::Divide => Some(x.map(|it| it / y)),
+        _ => None,
+    };
+    vector.filter(Vector::is_finite)
 }
 
 /// Built-in functions of numbers. Those of other values give `None`.
@@ -251,6 +273,37 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn operators_on_vectors_give_what_they_give_the_slow_way() {
+        let agrees = |quick: Option<Vector>, slow: Result<Value, _>| match (quick, slow) {
+            (Some(quick), Ok(slow)) => Value::Vector(quick) == slow,
+            // What may be a failure, or not finite, is left to it.
+            (None, Ok(Value::Vector(slow))) => !slow.is_finite(),
+            (None, _) => true,
+            (Some(_), Err(_)) => false,
+        };
+        let vectors: Vec<Vector> = (0..NUMBERS.len() - 3)
+            .flat_map(|it| (2..=4).filter_map(move |count| Vector::new(&NUMBERS[it..it + count])))
+            .collect();
+        for x in &vectors {
+            for y in &vectors {
+                for op in [BinaryOp::Add, BinaryOp::Subtract] {
+                    let slow = operation::binary(op, &Value::Vector(*x), &Value::Vector(*y));
+                    assert!(agrees(super::vectors(op, *x, *y), slow), "{x:?} {op:?} {y:?}");
+                }
+            }
+            for y in NUMBERS {
+                for op in [BinaryOp::Multiply, BinaryOp::Divide] {
+                    let slow = operation::binary(op, &Value::Vector(*x), &Value::Number(y));
+                    assert!(agrees(scaled(op, *x, y), slow), "{x:?} {op:?} {y}");
+                }
+            }
+        }
+        let one = Vector::new(&[1.0, 2.0]).expect("two numbers");
+        assert!(super::vectors(BinaryOp::Multiply, one, one).is_none());
+        assert!(scaled(BinaryOp::Add, one, 1.0).is_none());
     }
 
     #[test]

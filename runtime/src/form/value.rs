@@ -28,6 +28,11 @@ impl Vector {
         &self.parts[..usize::from(self.len)]
     }
 
+    /// Whether all of its parts are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        self.parts().iter().all(|it| it.is_finite())
+    }
+
     /// The vector of `f` of each part.
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let mut result = self;

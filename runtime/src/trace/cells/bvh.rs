@@ -4,7 +4,6 @@
 //! a tree of wide nodes. What a ray pays for is nodes, not boxes, so a set of n items is taken to cost ceil(n / 16)
 //! times its area: that makes splits that fill nodes, where the usual count of items leaves them half empty.
 
-use std::cmp::Ordering;
 use std::ops::Range;
 
 use super::boxes::{Node, WIDTH};
@@ -49,11 +48,12 @@ impl Binary {
 
 /// Splits items, of which the first lies at `start`. The depth is logarithmic: no part has more than 15/16 of the items.
 fn split(items: &mut [Boxed], start: usize) -> Binary {
-    let bounds = union(items);
-    if items.len() <= WIDTH {
-        return Binary::Leaf(bounds, start..start + items.len());
+    if items.len() <= SWEEP_MOST {
+        return Sweep::of(items, start);
     }
-    let middle = if items.len() > SWEEP_MOST { halve(items, &bounds) } else { sweep(items) };
+    let bounds = union(items);
+    halve(items, &bounds);
+    let middle = items.len() / 2;
     let (low, high) = items.split_at_mut(middle);
     Binary::Fork(bounds, Box::new([split(low, start), split(high, start + middle)]))
 }
@@ -71,45 +71,14 @@ pub(super) fn area(bounds: &Aabb) -> f64 {
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 
-fn order(items: &mut [Boxed], axis: usize) {
-    // A stable sort: items in the same place stay in the order written.
-    items.sort_by(|a, b| {
-        let (a, b) = (a.bounds.min[axis] + a.bounds.max[axis], b.bounds.min[axis] + b.bounds.max[axis]);
-        a.partial_cmp(&b).unwrap_or(Ordering::Equal)
-    });
+/// Twice the place of an item along an axis.
+fn place(item: &Boxed, axis: usize) -> f64 {
+    // Adding 0 makes -0 the same place as 0.
+    item.bounds.min[axis] + item.bounds.max[axis] + 0.0
 }
 
-/// Orders the items along the best axis and gives the best place to split them.
-fn sweep(items: &mut [Boxed]) -> usize {
-    let (mut best_cost, mut best_axis, mut best_place) = (f64::INFINITY, 0, items.len() / 2);
-    let mut above = vec![0.0; items.len()];
-    for axis in 0..3 {
-        order(items, axis);
-        let mut all = Aabb::EMPTY;
-        for (place, item) in items.iter().enumerate().rev() {
-            all = all.union(&item.bounds);
-            above[place] = area(&all);
-        }
-        let mut all = Aabb::EMPTY;
-        let least = (items.len() / WIDTH).max(1);
-        for place in 1..items.len() {
-            all = all.union(&items[place - 1].bounds);
-            let cost = area(&all) * nodes_for(place) + above[place] * nodes_for(items.len() - place);
-            if cost < best_cost && place >= least && items.len() - place >= least {
-                (best_cost, best_axis, best_place) = (cost, axis, place);
-            }
-        }
-    }
-    order(items, best_axis);
-    best_place
-}
-
-fn nodes_for(items: usize) -> f64 {
-    items.div_ceil(WIDTH) as f64
-}
-
-/// Orders the items along the longest axis and splits them in the middle.
-fn halve(items: &mut [Boxed], bounds: &Aabb) -> usize {
+/// Orders the items along the longest axis.
+fn halve(items: &mut [Boxed], bounds: &Aabb) {
     let size = bounds.max - bounds.min;
     let axis = if size.x >= size.y && size.x >= size.z {
         0
@@ -118,8 +87,130 @@ fn halve(items: &mut [Boxed], bounds: &Aabb) -> usize {
     } else {
         2
     };
-    order(items, axis);
-    items.len() / 2
+    // A stable sort: items in the same place stay in the order written.
+    items.sort_by(|a, b| place(a, axis).total_cmp(&place(b, axis)));
+}
+
+fn nodes_for(items: usize) -> f64 {
+    items.div_ceil(WIDTH) as f64
+}
+
+/// Items that are split at the best place along the best axis, again and again. They are sorted once along each axis, and whatever is
+/// split stays sorted.
+struct Sweep<'i> {
+    items: &'i [Boxed],
+    /// By axis, the numbers of the items from low to high. What is split has the same stretch of each.
+    orders: [Vec<u32>; 3],
+    /// By item, whether it is on the low side of the last split.
+    is_low: Vec<bool>,
+    /// The items of the high side while a stretch is split.
+    high: Vec<u32>,
+    /// By place in a stretch, the area around that item and all that follow.
+    above: Vec<f64>,
+}
+
+/// Where a stretch of items is split.
+#[derive(Clone, Copy)]
+struct Cut {
+    cost: f64,
+    axis: usize,
+    place: usize,
+}
+
+impl<'i> Sweep<'i> {
+    /// Splits items, of which the first lies at `start`, and puts them in the order of the leaves.
+    fn of(items: &mut [Boxed], start: usize) -> Binary {
+        let mut sweep = Sweep::new(items);
+        let tree = sweep.split(0..items.len(), 0, start);
+        let sorted: Vec<Boxed> = sweep.orders[0].iter().map(|it| sweep.items[*it as usize]).collect();
+        items.copy_from_slice(&sorted);
+        tree
+    }
+
+    fn new(items: &'i [Boxed]) -> Self {
+        let count = items.len();
+        let order = |axis: usize| {
+            let mut keys: Vec<(f64, u32)> = items.iter().map(|it| place(it, axis)).zip(0..).collect();
+            // Items in the same place stay in the order written.
+            keys.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            keys.into_iter().map(|it| it.1).collect()
+        };
+        Self {
+            items,
+            orders: [order(0), order(1), order(2)],
+            is_low: vec![false; count],
+            high: Vec::with_capacity(count),
+            above: vec![0.0; count],
+        }
+    }
+
+    /// Splits a stretch that was last split along `axis`. The first order becomes that of the leaves.
+    fn split(&mut self, range: Range<usize>, axis: usize, start: usize) -> Binary {
+        let own = &self.orders[axis][range.clone()];
+        let bounds = own.iter().fold(Aabb::EMPTY, |all, it| all.union(&self.items[*it as usize].bounds));
+        if range.len() <= WIDTH {
+            let [first, others @ ..] = &mut self.orders;
+            if axis > 0 {
+                first[range.clone()].copy_from_slice(&others[axis - 1][range.clone()]);
+            }
+            return Binary::Leaf(bounds, start + range.start..start + range.end);
+        }
+        let Cut { axis, place, .. } = self.best(&range);
+        let middle = range.start + place;
+        self.part(&range, axis, middle);
+        let low = self.split(range.start..middle, axis, start);
+        let high = self.split(middle..range.end, axis, start);
+        Binary::Fork(bounds, Box::new([low, high]))
+    }
+
+    /// Where a stretch is best split, by the surface area heuristic.
+    fn best(&mut self, range: &Range<usize>) -> Cut {
+        let count = range.len();
+        let least = (count / WIDTH).max(1);
+        let mut best = Cut { cost: f64::INFINITY, axis: 0, place: count / 2 };
+        for axis in 0..3 {
+            let order = &self.orders[axis][range.clone()];
+            let bounds = |number: &u32| self.items[*number as usize].bounds;
+            let mut all = Aabb::EMPTY;
+            for (number, above) in order.iter().zip(&mut self.above).rev() {
+                all = all.union(&bounds(number));
+                *above = area(&all);
+            }
+            all = Aabb::EMPTY;
+            for (place, number) in (1..count).zip(order) {
+                all = all.union(&bounds(number));
+                if place < least || count - place < least {
+                    continue;
+                }
+                let cost = area(&all) * nodes_for(place) + self.above[place] * nodes_for(count - place);
+                if cost < best.cost {
+                    best = Cut { cost, axis, place };
+                }
+            }
+        }
+        best
+    }
+
+    /// Parts the orders of a stretch into the items before `middle` along an axis and the others, each as they are ordered.
+    fn part(&mut self, range: &Range<usize>, axis: usize, middle: usize) {
+        for place in range.clone() {
+            self.is_low[self.orders[axis][place] as usize] = place < middle;
+        }
+        for order in self.orders.iter_mut().enumerate().filter(|it| it.0 != axis).map(|it| it.1) {
+            self.high.clear();
+            let mut low = range.start;
+            for place in range.clone() {
+                let number = order[place];
+                if self.is_low[number as usize] {
+                    order[low] = number;
+                    low += 1;
+                } else {
+                    self.high.push(number);
+                }
+            }
+            order[low..range.end].copy_from_slice(&self.high);
+        }
+    }
 }
 
 /// Reads a binary tree off as wide nodes; gives the number of its root.

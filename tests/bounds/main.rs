@@ -146,6 +146,23 @@ fn no_point_of_a_terrain_far_away_is_outside_its_bounds() {
     assert!(seen.points > 2_000 && seen.exact > 100, "{seen:?}");
 }
 
+#[test]
+fn no_point_between_places_of_a_long_list_is_outside_its_bounds() {
+    // Of so many places nothing is known, not even that they are vectors.
+    let places: Vec<String> = (0..300).map(|it| format!("({}, {}, {})", it % 7, it % 5, it % 3)).collect();
+    let text = format!(
+        "csg Between {{
+          let places = [{}];
+          start T(places[floor(random(0, 300))], places[floor(random(0, 300))]);
+          T(p, q) -> move(mix(p, q, .5)) box;
+        }}
+        scene {{ show Between(); }}",
+        places.join(", ")
+    );
+    let seen = look_at_many(&text, &[], 20, 2);
+    assert!(seen.points > 500 && seen.exact > 200, "{seen:?}");
+}
+
 /// Of the states on the ways of some derivations, how large loose boxes are in parts of the boxes around what is really there, at
 /// most.
 fn looseness(text: &str, settings: &[(&str, &str)]) -> f64 {

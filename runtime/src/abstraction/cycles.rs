@@ -276,7 +276,7 @@ fn composite(state: usize, near: &[Loose], paths: &[Path]) -> Sketch {
         way.push(Step::Known { map: path.map, stretch: norm(&path.map.matrix3) });
         Part { way, copies: 1, certain: true, what: What::State(path.to as u32) }
     };
-    Sketch { fixed: near[state], primitives: 0, parts: ways.map(part).collect() }
+    Sketch::new(near[state], ways.map(part).collect())
 }
 
 /// At least the norm of a matrix, though it is a product of many.

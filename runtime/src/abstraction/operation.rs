@@ -329,7 +329,7 @@ fn mix(args: &[&Abstract]) -> Option<Abstract> {
     let [a, b, t] = args else { return None };
     let step = multiply(&binary(BinaryOp::Subtract, b, a)?, &Abstract::number(t.as_range()?))?;
     let sum = binary(BinaryOp::Add, a, &step)?;
-    if sum.is_anchored() {
+    if sum.is_anchored() || matches!(sum, Abstract::Any) {
         return Some(sum);
     }
     // a + (b - a) t asks for a twice. With t from 0 to 1 the result is between the two, but for what rounding does.

@@ -157,9 +157,8 @@ impl Walker {
                 let select = flow.graph.select(id);
                 chosen = self.choose(flow, select);
                 here.certain = chosen.certain;
-                for rule in &chosen.rules {
-                    self.add(flow, &mut sketch, select.rules[*rule as usize].body, here.clone());
-                }
+                let bodies = chosen.rules.iter().map(|it| select.rules[*it as usize].body);
+                self.add_one_of(flow, &mut sketch, bodies, &here);
                 if let Some(proxy) = select.proxy {
                     // Bounds hold for what stands for the state from far away as well, which is no part of it.
                     here = Here { copies: 0, certain: false, ..Here::start() };
@@ -245,6 +244,11 @@ impl Walker {
         }
     }
 
+    /// Adds what some nodes may stand for, of which one is there.
+    fn add_one_of(&mut self, flow: &Flow, sketch: &mut Sketch, nodes: impl IntoIterator<Item = NodeId>, here: &Here) {
+        sketch.choose(nodes, |sketch, node| self.add(flow, sketch, node, here.clone()));
+    }
+
     fn go(&mut self, flow: &Flow, sketch: &mut Sketch, node: NodeId, mut here: Here) {
         let mut node = node;
         loop {
@@ -302,8 +306,7 @@ impl Walker {
                         Some(Some(truth)) => node = if truth { *then } else { *otherwise },
                         Some(None) => {
                             here.certain = false;
-                            self.add(flow, sketch, *then, here.clone());
-                            node = *otherwise;
+                            return self.add_one_of(flow, sketch, [*then, *otherwise], &here);
                         }
                     }
                 }
@@ -491,7 +494,7 @@ impl Walker {
     }
 
     /// Anything that a formal may be.
-    fn free(&mut self, flow: &Flow, formal: &Formal, slots: &mut Vec<Abstract>) -> Abstract {
+    fn free(&mut self, flow: &Flow, formal: &Formal, slots: &mut [Abstract]) -> Abstract {
         let Some(check) = &formal.check else { return Abstract::Any };
         let ends = check.ops.iter().find_map(|it| match it {
             Op::Check { low, high, .. } => Some((*low, *high)),

@@ -267,7 +267,8 @@ impl<'g> Machine<'g> {
                 }
             }
             Op::Draw { to, draw, args, place } => {
-                let quick = |it: [f64; 3]| quick::distribute(*draw, self.draw(env, call.site, *place), &it[..args.len()]);
+                let quick =
+                    |it: [f64; 3]| quick::distribute(*draw, self.draw(env, call.site, *place), &it[..args.len()]);
                 match numbers(registers, args).and_then(quick) {
                     Some(number) => (to, number),
                     None => return false,

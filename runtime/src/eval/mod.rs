@@ -1,6 +1,8 @@
 //! Evaluation: the machine that runs compiled expressions, and what the nodes of a graph mean in an environment.
 
 pub(crate) mod angle;
+#[cfg(test)]
+pub(crate) mod codes;
 mod env;
 mod formula;
 mod machine;

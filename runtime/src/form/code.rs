@@ -6,7 +6,7 @@
 use super::{Origin, Value};
 
 /// Names a register of one run of a [`Code`]. Registers hold what is being computed and are gone when the run ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Reg(pub u16);
 
 /// Names a slot of an environment: a formal, a `let`, a `var`, a module's parameter, a C-node's `let`, a `repeat`'s index.

@@ -295,6 +295,8 @@ pub enum GraphError {
     Results(Origin),
     /// A jump does not go forward, or goes past the end.
     Jump(Origin),
+    /// A function assigns a slot.
+    Assigns(Origin),
     /// There are more nodes than a number of 32 bits counts.
     TooLarge,
 }

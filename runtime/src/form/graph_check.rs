@@ -37,6 +37,9 @@ impl Graph {
         }
         for function in self.functions() {
             self.check_code(&function.code, Some(1), function.params, function.origin)?;
+            if function.code.stores().next().is_some() {
+                return Err(GraphError::Assigns(function.origin));
+            }
         }
         self.shapes().iter().try_for_each(|it| self.check_shape(it))?;
         self.check_selects()
@@ -163,5 +166,36 @@ impl Graph {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Function, Op, Reg, Slot, System, Value};
+    use super::*;
+
+    #[test]
+    fn functions_assign_nothing() {
+        let code = |ops: Vec<Op>| {
+            let origins = vec![Origin::NONE; ops.len()].into();
+            Code { ops: ops.into(), origins, registers: 1, results: Box::new([Reg(0)]) }
+        };
+        let graph = |ops: Vec<Op>| {
+            let function = Function { name: "f".into(), params: 0, code: code(ops), origin: Origin::NONE };
+            let nothing = Code::default();
+            let system = System {
+                name: "S".into(),
+                slots: vec!["x".to_owned()],
+                formals: Vec::new(),
+                lets: nothing.clone(),
+                vars: nothing,
+                start: NodeId(0),
+                origin: Origin::NONE,
+            };
+            Graph::new(vec![Node::Empty], Vec::new(), vec![system], vec![function], SystemId(0)).map(|_| ())
+        };
+        let one = Op::Constant(Reg(0), Value::Number(1.0));
+        assert_eq!(graph(vec![one.clone()]), Ok(()));
+        assert_eq!(graph(vec![one, Op::Store(Slot(0), Reg(0))]), Err(GraphError::Assigns(Origin::NONE)));
     }
 }

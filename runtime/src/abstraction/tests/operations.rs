@@ -64,6 +64,11 @@ fn known_vector(count: usize) -> impl Strategy<Value = (Value, Abstract)> {
     })
 }
 
+/// A vector of which perhaps nothing is known, not even that it is one.
+fn known_vector_or_not(count: usize) -> impl Strategy<Value = (Value, Abstract)> {
+    prop_oneof![3 => known_vector(count), 1 => known_vector(count).prop_map(|it| (it.0, Abstract::Any))]
+}
+
 fn known_bool() -> impl Strategy<Value = (Value, Abstract)> {
     (any::<bool>(), any::<bool>()).prop_map(|(truth, known)| {
         (Value::Bool(truth), if known { Abstract::truth(Some(truth)) } else { Abstract::Truth })
@@ -173,7 +178,11 @@ proptest! {
     }
 
     #[test]
-    fn functions_of_vectors_give_what_is_known(a in known_vector(3), b in known_vector(3), t in known_number()) {
+    fn functions_of_vectors_give_what_is_known(
+        a in known_vector_or_not(3),
+        b in known_vector_or_not(3),
+        t in known_number()
+    ) {
         for name in OF_VECTORS {
             builtin(name, std::slice::from_ref(&a))?;
             builtin(name, &[a.clone(), b.clone()])?;

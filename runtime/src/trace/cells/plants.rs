@@ -95,10 +95,7 @@ impl Planting<'_, '_, '_> {
         let mut all = self.operands(operands)?.into_iter();
         let first = all.next().unwrap_or_default();
         let mut others = Sketch::default();
-        for mut other in all {
-            others.count(other.primitives);
-            others.parts.append(&mut other.parts);
-        }
+        all.for_each(|it| others.count_in(it));
         Ok(What::Difference { operands: Box::new([first, others]), taken: operands.len().saturating_sub(1) })
     }
 

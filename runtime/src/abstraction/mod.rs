@@ -6,7 +6,7 @@
 //!
 //! - [`range`], [`value`], [`operation`], [`machine`]: expressions on abstract values.
 //! - [`flow`], [`needs`], [`measures`]: which slots matter, and which of them decide what is chosen.
-//! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones.
+//! - [`walk`], [`sketch`], [`step`]: what an abstract state stands for, up to the next ones; [`drawings`]: what is kept of that.
 //! - [`linear`]: corners whose places are data.
 //! - [`loose`], [`profile`]: bounds that need only be valid.
 //! - [`cycles`], [`circle`], [`run`], [`canon`]: what all states below one amount to.
@@ -21,6 +21,7 @@ mod canon;
 mod certain;
 mod circle;
 mod cycles;
+mod drawings;
 mod entries;
 mod findings;
 mod flow;

@@ -4,6 +4,7 @@
 //! one that stands for all of them. It depends on nothing but the state it begins at.
 
 use std::collections::{HashMap, VecDeque};
+use std::sync::Arc;
 
 use super::cycles::{self, Endless, Knot, Link};
 use super::flow::{Flow, Lay};
@@ -95,7 +96,7 @@ enum Target {
 
 struct Node {
     state: AbstractState,
-    drawn: Option<Drawn>,
+    drawn: Option<Arc<Drawn>>,
     targets: Vec<Target>,
     /// Of each target the place of the call, and whether the state leads to it whatever the draws.
     calls: Vec<(Origin, bool)>,
@@ -207,14 +208,20 @@ impl<'f> Run<'f> {
                 return Ok(false);
             }
             let state = node.state.clone();
-            let mut drawn = walker.draw(self.flow, &state);
+            // No other run begins here.
+            let mut drawn =
+                if number == 0 { Arc::new(walker.draw(self.flow, &state)) } else { walker.drawn(self.flow, &state) };
             parts += drawn.sketch.weight();
             if parts > MOST_PARTS || walker.work() - work > MOST_WORK {
                 return Ok(false);
             }
-            let mut targets = Vec::with_capacity(drawn.successors.len());
-            let mut calls = Vec::with_capacity(drawn.successors.len());
-            for successor in std::mem::take(&mut drawn.successors) {
+            let successors = match Arc::get_mut(&mut drawn) {
+                Some(own) => std::mem::take(&mut own.successors),
+                None => drawn.successors.clone(),
+            };
+            let mut targets = Vec::with_capacity(successors.len());
+            let mut calls = Vec::with_capacity(successors.len());
+            for successor in successors {
                 let is_full = matches!(self.rest, Rest::Elsewhere) && self.is_full(&successor.state);
                 targets.push(match meet(successor.state, is_full)? {
                     Meeting::Known(extent) => Target::Known(extent),

@@ -4,10 +4,12 @@
 //! is. So a sketch holds what any concrete expansion of a state that the abstract one stands for can hold.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::DAffine3;
 use smallvec::SmallVec;
 
+use super::drawings::{Drawing, Drawings};
 use super::flow::{Fixed, Flow};
 use super::linear::LinearMap;
 use super::loose::Loose;
@@ -73,6 +75,7 @@ pub(crate) struct Walker {
     time: u32,
     /// Nodes gone through so far; primitives count as more.
     work: u64,
+    drawings: Drawings,
 }
 
 /// Nodes that a primitive counts as: finding how far it reaches in all directions takes longer than all else.
@@ -110,6 +113,7 @@ impl Walker {
             stretches: 1,
             time: 0,
             work: 0,
+            drawings: Drawings::default(),
         }
     }
 
@@ -133,6 +137,21 @@ impl Walker {
         let id = flow.graph.root();
         let slots = self.fill(flow, id, &[], SmallVec::new())?;
         Some(picked(flow, Entry::System(id), |slot| slots[usize::from(slot.0)].clone()))
+    }
+
+    /// What a state leads to that is likely to be met again. (A walker always has flows of one scene.)
+    pub(super) fn drawn(&mut self, flow: &Flow, state: &AbstractState) -> Arc<Drawn> {
+        if !self.drawings.are_of_use() {
+            return Arc::new(self.draw(flow, state));
+        }
+        if let Some(Drawing { drawn, work }) = self.drawings.of(state) {
+            self.work += work;
+            return Arc::clone(drawn);
+        }
+        let before = self.work;
+        let drawn = Arc::new(self.draw(flow, state));
+        self.drawings.keep(state.clone(), Drawing { drawn: Arc::clone(&drawn), work: self.work - before });
+        drawn
     }
 
     /// What a state leads to.

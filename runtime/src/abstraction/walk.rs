@@ -268,6 +268,29 @@ impl Walker {
         sketch.choose(nodes, |sketch, node| self.add(flow, sketch, node, here.clone()));
     }
 
+    /// What is chosen from where it is not known whether a condition holds, through all of its `else if`s: there may be very many.
+    fn options(&mut self, flow: &Flow, then: NodeId, otherwise: NodeId) -> Vec<NodeId> {
+        let mut options = vec![then];
+        let mut next = otherwise;
+        while let Node::Choice { condition, then, otherwise } = flow.graph.node(next) {
+            self.work += 1;
+            match self.machine.truth(flow, condition, &mut self.slots) {
+                // Whoever comes here fails.
+                None => return options,
+                Some(Some(false)) => {}
+                Some(truth) => {
+                    options.push(*then);
+                    if truth.is_some() {
+                        return options;
+                    }
+                }
+            }
+            next = *otherwise;
+        }
+        options.push(next);
+        options
+    }
+
     fn go(&mut self, flow: &Flow, sketch: &mut Sketch, node: NodeId, mut here: Here) {
         let mut node = node;
         loop {
@@ -325,7 +348,8 @@ impl Walker {
                         Some(Some(truth)) => node = if truth { *then } else { *otherwise },
                         Some(None) => {
                             here.certain = false;
-                            return self.add_one_of(flow, sketch, [*then, *otherwise], &here);
+                            let options = self.options(flow, *then, *otherwise);
+                            return self.add_one_of(flow, sketch, options, &here);
                         }
                     }
                 }

@@ -9,6 +9,8 @@ use crate::quick_hash::BuildQuickHash;
 
 /// Parts of all that is kept, before all of it is forgotten: each takes about half a kilobyte.
 const MOST_PARTS: usize = 1 << 12;
+/// Parts of what is kept of one state: some have a million.
+const LARGEST: usize = 1 << 8;
 
 /// States that are kept before it is asked whether that is of use.
 const FIRST: u32 = 256;
@@ -44,19 +46,25 @@ impl Drawings {
         known
     }
 
-    /// Keeps what has been drawn of a state.
+    /// Keeps what has been drawn of a state, if that is not too much.
     pub(super) fn keep(&mut self, state: AbstractState, drawing: Drawing) {
+        let parts = drawing.drawn.sketch.weight();
+        if parts > LARGEST {
+            return;
+        }
         if self.parts >= MOST_PARTS {
             (self.known, self.parts) = (HashMap::default(), 0);
         }
-        self.parts += drawing.drawn.sketch.weight();
+        self.parts += parts;
         self.known.insert(state, drawing);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sketch::Sketch;
+    use super::super::loose::Loose;
+    use super::super::sketch::{Part, Sketch, What};
+    use super::super::step::Way;
     use super::super::value::Abstract;
     use super::super::walk::Chosen;
     use super::*;
@@ -68,9 +76,18 @@ mod tests {
         AbstractState { entry: Entry::Select(SelectId(0)), slots }
     }
 
-    fn drawing(work: u64) -> Drawing {
-        let drawn = Drawn { sketch: Sketch::default(), successors: Vec::new(), chosen: Chosen::default() };
-        Drawing { drawn: Arc::new(drawn), work }
+    fn drawing(parts: usize, work: u64) -> Drawing {
+        let part = Part { way: Way::default(), copies: 1, certain: true, what: What::State(0) };
+        let sketch = Sketch::new(Loose::EMPTY, vec![part; parts]);
+        Drawing { drawn: Arc::new(Drawn { sketch, successors: Vec::new(), chosen: Chosen::default() }), work }
+    }
+
+    #[test]
+    fn what_has_very_many_parts_is_not_kept() {
+        let mut drawings = Drawings::default();
+        drawings.keep(state(1), drawing(LARGEST - 1, 7));
+        drawings.keep(state(2), drawing(1_000_000, 7));
+        assert!(drawings.of(&state(1)).is_some() && drawings.of(&state(2)).is_none());
     }
 
     #[test]
@@ -80,13 +97,13 @@ mod tests {
             assert!(drawings.are_of_use());
             for _ in 0..2 {
                 if drawings.of(&state(number)).is_none() {
-                    drawings.keep(state(number), drawing(u64::from(number)));
+                    drawings.keep(state(number), drawing(0, u64::from(number)));
                 }
             }
             assert_eq!(drawings.of(&state(number)).map(|it| it.work), Some(u64::from(number)));
         }
         assert!(drawings.of(&state(0)).is_some());
-        drawings.keep(state(u32::MAX), drawing(1));
+        drawings.keep(state(u32::MAX), drawing(0, 1));
         assert!(
             drawings.of(&state(0)).is_none() && drawings.of(&state(u32::MAX)).is_some(),
             "all but the last are forgotten"

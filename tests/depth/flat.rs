@@ -29,6 +29,7 @@ const CHAINS: &[[&str; 3]] = &[
     ["csg S { var v = 0; start {", "v=1;", "} box; }"],
     ["csg S { start if false { sphere }", "else if false { sphere }", "else { box }; }"],
     ["csg S { start T(random(0, 1)); T(x) -> if x < 0 { sphere }", "else if x<.5 { sphere }", "else { box }; }"],
+    ["csg S { start T(random(0, 1)); T(x) -> uscale(", "if x<.5 then 2 else ", "1) box; }"],
     ["csg S { start box; ", "t->box;", "}"],
     ["csg S { start t; ", "t if 2 < 1 -> sphere;", " t -> box; }"],
     ["csg S { start t; ", "t @ 1 -> box;", "}"],

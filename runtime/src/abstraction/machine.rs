@@ -4,6 +4,9 @@
 //! one pass over a code is enough: what jumps somewhere waits there until the pass has come so far. Of what it had, only that is kept
 //! which is written meanwhile.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use smallvec::SmallVec;
 
 use super::flow::Flow;
@@ -44,39 +47,63 @@ enum Cell {
     Slot(Slot),
 }
 
-/// A way that waits at an operation until the pass gets there.
-#[derive(Clone, Copy)]
-struct Waiting {
-    target: usize,
-    /// How much had been written when it began to wait.
-    since: usize,
-}
-
 /// The ways that wait in one run of a code, and all that was written since the first of them began to, each with what stood there
 /// before.
 #[derive(Default)]
 struct Ways {
-    waiting: SmallVec<[Waiting; 2]>,
+    /// By the operation that they wait at, how much had been written when each began to, which only grows.
+    waiting: BTreeMap<usize, Vec<usize>>,
     written: Vec<(Cell, Abstract)>,
+}
+
+/// What comes together in a cell.
+struct Reunion {
+    /// What stood there when the way that is looked at began to wait.
+    before: Abstract,
+    /// What may stand there by all ways that were looked at.
+    joined: Option<Abstract>,
 }
 
 impl Ways {
     fn wait(&mut self, target: usize) {
-        self.waiting.push(Waiting { target, since: self.written.len() });
+        self.waiting.entry(target).or_default().push(self.written.len());
     }
 
-    /// The next way that waits at an operation, which then waits no more.
-    fn arrive(&mut self, at: usize) -> Option<Waiting> {
-        let place = self.waiting.iter().position(|it| it.target == at)?;
-        Some(self.waiting.swap_remove(place))
+    /// The operation that the next way waits at.
+    fn next(&self) -> Option<usize> {
+        self.waiting.first_key_value().map(|it| *it.0)
     }
 
-    /// The cells that were written since a way began to wait, and where it is noted what stood in each at that time.
-    fn since(&self, way: Waiting) -> SmallVec<[(Cell, usize); 16]> {
-        let mut cells: SmallVec<[(Cell, usize); 16]> =
-            self.written.iter().map(|it| it.0).zip(0..).skip(way.since).collect();
-        cells.sort_unstable();
-        cells.dedup_by_key(|it| it.0);
+    /// Lets the ways that wait at an operation come there: what may stand in the cells that were written meanwhile, by all of them, and by
+    /// the way that comes there itself if it does (`alive`). `here` tells what stands in a cell.
+    ///
+    /// All that was written is looked at once, however many ways there are.
+    fn arrive(&mut self, at: usize, alive: bool, here: impl Fn(Cell) -> Abstract) -> BTreeMap<Cell, Reunion> {
+        let mut cells: BTreeMap<Cell, Reunion> = BTreeMap::new();
+        let (mut end, mut is_met) = (self.written.len(), alive);
+        let mut changed: SmallVec<[Cell; 16]> = SmallVec::new();
+        // From the last to begin back to the first.
+        for since in self.waiting.remove(&at).unwrap_or_default().into_iter().rev() {
+            for (cell, before) in self.written[since..end].iter().rev() {
+                changed.push(*cell);
+                match cells.entry(*cell) {
+                    Entry::Occupied(mut it) => it.get_mut().before = before.clone(),
+                    Entry::Vacant(it) => {
+                        // By all ways so far it is as it is here.
+                        let joined = is_met.then(|| here(*cell));
+                        it.insert(Reunion { before: before.clone(), joined });
+                    }
+                }
+            }
+            changed.sort_unstable();
+            changed.dedup();
+            for cell in changed.drain(..) {
+                if let Some(Reunion { before, joined }) = cells.get_mut(&cell) {
+                    *joined = Some(joined.as_ref().map_or_else(|| before.clone(), |it| it.join(before)));
+                }
+            }
+            (end, is_met) = (since, true);
+        }
         cells
     }
 }
@@ -139,7 +166,7 @@ impl AbstractMachine {
             alive = self.arrive(&mut ways, next, slots, frame, alive);
             if !alive {
                 // What waits furthest in front goes on.
-                match ways.waiting.iter().map(|it| it.target).min() {
+                match ways.next() {
                     Some(target) => next = target,
                     None => return false,
                 }
@@ -191,19 +218,18 @@ impl AbstractMachine {
 
     /// Joins what waits at an operation with what comes there, if it does; whether anything does.
     fn arrive(&mut self, ways: &mut Ways, at: usize, slots: &mut [Abstract], frame: Frame, alive: bool) -> bool {
-        let mut alive = alive;
-        while let Some(way) = ways.arrive(at) {
-            for (cell, place) in ways.since(way) {
-                let (theirs, ours) = (&ways.written[place].1, self.cell(cell, slots, frame));
-                let value = if alive { ours.join(theirs) } else { theirs.clone() };
+        if ways.next() != Some(at) {
+            return alive;
+        }
+        for (cell, reunion) in ways.arrive(at, alive, |it| self.cell(it, slots, frame).clone()) {
+            if let Some(value) = reunion.joined {
                 self.write(cell, value, slots, frame, ways);
             }
-            alive = true;
         }
         if ways.waiting.is_empty() {
             ways.written.clear();
         }
-        alive
+        true
     }
 
     fn cell<'a>(&'a self, cell: Cell, slots: &'a [Abstract], frame: Frame) -> &'a Abstract {
